@@ -1,0 +1,1 @@
+"""From the light on the film to the stored file: exposure, encoding, compression."""

@@ -1,0 +1,1 @@
+"""One question each: which probes, which methods, which table."""

@@ -1,0 +1,1 @@
+"""Who is in the picture: synthetic heads, each made from a seed."""

@@ -1,0 +1,114 @@
+"""What is an image here? The contract, stated once; each line has a test.
+
+- ``(B, C, H, W)`` float32 torch, RGB; one image is ``(C, H, W)`` only inside a dataclass that says so.
+- ``linear`` until the sensor, ``srgb`` after it, never unnamed; srgb lies in [0, 1].
+- Pixel (0, 0) is the top-left; a point's coordinate is 0 at the centre of pixel (0, 0), so on a film
+  s times finer x' = s (x + 0.5) - 0.5.
+- Nothing is inferred from the values: range, channel order and colour space are arguments.
+- Luminance is BT.601 in studio range, (16 + 65.481 R + 128.553 G + 24.966 B) / 255, as in MATLAB's
+  ``rgb2ycbcr`` and in every published SRCNN figure.
+"""
+
+import torch
+
+from lrsr.errors import ImageContractError, NonFiniteError
+
+_YCBCR = torch.tensor(
+    [[65.481, 128.553, 24.966], [-37.797, -74.203, 112.0], [112.0, -93.786, -18.214]],
+    dtype=torch.float64,
+)
+_YCBCR_OFFSET = torch.tensor([16.0, 128.0, 128.0], dtype=torch.float64)
+
+
+def check_images(images: torch.Tensor, *, channels: int = 3, name: str = "images") -> torch.Tensor:
+    """Return ``images`` unchanged if they are ``(B, channels, H, W)`` float32 and finite.
+
+    Raises:
+        ImageContractError: Wrong number of dimensions, channels, an empty side, or another dtype.
+        NonFiniteError: A NaN or an infinity; the message says where the first one is.
+    """
+    if images.ndim != 4 or images.shape[1] != channels or 0 in images.shape:
+        raise ImageContractError(
+            f"{name}: got shape {tuple(images.shape)}, wanted (B, {channels}, H, W)"
+        )
+    if images.dtype != torch.float32:
+        raise ImageContractError(f"{name}: got {images.dtype}, wanted torch.float32")
+    finite = torch.isfinite(images)
+    if not bool(finite.all()):
+        b, c, y, x = (~finite).nonzero()[0].tolist()
+        raise NonFiniteError(f"{name}: {images[b, c, y, x]} in image {b}, channel {c}, ({x}, {y})")
+    return images
+
+
+def linear_to_srgb(linear: torch.Tensor) -> torch.Tensor:
+    """Encode linear light with the sRGB curve (IEC 61966-2-1), clipping to [0, 1] first.
+
+    Args:
+        linear: Any shape, linear light, 1 = white.
+
+    Example:
+        >>> round(float(linear_to_srgb(torch.tensor(0.18))), 4)
+        0.4614
+    """
+    x = linear.clamp(0.0, 1.0)
+    return torch.where(x <= 0.0031308, 12.92 * x, 1.055 * x.clamp_min(0.0031308) ** (1 / 2.4) - 0.055)
+
+
+def srgb_to_linear(srgb: torch.Tensor) -> torch.Tensor:
+    """Decode the sRGB curve (IEC 61966-2-1).
+
+    Args:
+        srgb: Any shape, [0, 1].
+
+    Example:
+        >>> round(float(srgb_to_linear(torch.tensor(0.5))), 4)
+        0.214
+    """
+    return torch.where(srgb <= 0.04045, srgb / 12.92, ((srgb.clamp_min(0.04045) + 0.055) / 1.055) ** 2.4)
+
+
+def rgb_to_ycbcr(srgb: torch.Tensor) -> torch.Tensor:
+    """Turn srgb ``(B, 3, H, W)`` in [0, 1] into studio-range BT.601 YCbCr, /255, same shape.
+
+    Raises:
+        ImageContractError: The images break the contract.
+
+    Example:
+        >>> rgb_to_ycbcr(torch.ones(1, 3, 1, 1)).mul(255).round().flatten().tolist()
+        [235.0, 128.0, 128.0]
+    """
+    check_images(srgb)
+    matrix = (_YCBCR / 255).to(srgb)
+    offset = (_YCBCR_OFFSET / 255).to(srgb)
+    return torch.einsum("dc,bchw->bdhw", matrix, srgb) + offset[:, None, None]
+
+
+def ycbcr_to_rgb(ycbcr: torch.Tensor) -> torch.Tensor:
+    """Invert :func:`rgb_to_ycbcr`; the result may leave [0, 1] and is not clipped.
+
+    Raises:
+        ImageContractError: The images break the contract.
+    """
+    check_images(ycbcr, name="ycbcr")
+    inverse = torch.linalg.inv(_YCBCR / 255).to(ycbcr)
+    offset = (_YCBCR_OFFSET / 255).to(ycbcr)
+    return torch.einsum("dc,bchw->bdhw", inverse, ycbcr - offset[:, None, None])
+
+
+def luminance(srgb: torch.Tensor) -> torch.Tensor:
+    """Return the studio-range BT.601 luminance ``(B, 1, H, W)`` of srgb ``(B, 3, H, W)``.
+
+    Raises:
+        ImageContractError: The images break the contract.
+    """
+    return rgb_to_ycbcr(srgb)[:, :1]
+
+
+def scale_points(points: torch.Tensor, scale: float) -> torch.Tensor:
+    """Move points ``(..., 2)`` onto a film ``scale`` times finer: x' = s (x + 0.5) - 0.5.
+
+    Example:
+        >>> scale_points(torch.tensor([0.0, 1.0]), 2).tolist()
+        [0.5, 2.5]
+    """
+    return scale * (points + 0.5) - 0.5

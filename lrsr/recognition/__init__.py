@@ -1,0 +1,1 @@
+"""From an image and five landmarks to an embedding, and from embeddings to scores."""

@@ -1,0 +1,36 @@
+"""What comes off the film: scene-referred light and where the face is in it."""
+
+from dataclasses import dataclass
+
+import torch
+
+
+@dataclass(frozen=True)
+class Radiance:
+    """One rendered image, before any camera.
+
+    Attributes:
+        image: ``(3, H, W)`` float32, scene-referred linear sRGB primaries, >= 0, unbounded above.
+        landmarks_px: ``(5, 2)`` float32, (x, y) in pixels of ``image``: pixel (0, 0) is the top-left,
+            its centre has the coordinate 0, so x' = s (x + 0.5) - 0.5 on a film s times finer.
+        ipd_px: True interpupillary distance of the frontal face on the ×1 film, px.
+        scale: How many times finer than the ×1 film (1, 2 or 4).
+        metered: Luminance that an incident-light meter reads at the face: what an 18 % grey
+            Lambertian sphere there would send to the camera on average, divided by 0.18. The camera
+            multiplies by 1 / metered, so a white sphere averages 1. It depends on the
+            lighting alone, not on who is lit, so skin tones keep their order.
+        seed: Of the sampler.
+        identity_id: Whose head it is.
+        pose: Name.
+        lighting: Name.
+    """
+
+    image: torch.Tensor
+    landmarks_px: torch.Tensor
+    ipd_px: float
+    scale: int
+    metered: float
+    seed: int
+    identity_id: str
+    pose: str
+    lighting: str

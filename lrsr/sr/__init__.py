@@ -1,0 +1,1 @@
+"""Makes small images larger: bicubic, SRCNN and SRCNN twice, behind one call."""
