@@ -1,0 +1,147 @@
+"""What does ``lrsr COMMAND [key=value ...]`` do, and how does it end?
+
+Exit status: 0 done, 2 the user's input was wrong (one line on stderr), 1 a fault of ours, 130
+interrupted. ``--debug`` anywhere on the line shows the traceback instead of the line.
+"""
+
+import importlib
+import logging
+import os
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from lrsr import __version__
+from lrsr.errors import InputError
+from lrsr.paths import config_folder
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+
+@dataclass(frozen=True)
+class Command:
+    """One word after ``lrsr``.
+
+    Attributes:
+        does: One line for the help page.
+        task: ``module:function`` that takes the composed configuration; None: a later version.
+    """
+
+    does: str
+    task: str | None = None
+
+
+COMMANDS = {
+    "demo": Command("the whole story in minutes, into one report.html", "lrsr.experiments.tasks:run_demo"),
+    "render": Command("probes, references and gallery into a folder", "lrsr.data.tasks:run_render"),
+    "train": Command("sr=srcnn2x|srcnn4x or recognition=arcface", "lrsr.experiments.tasks:run_train"),
+    "eval": Command("an experiment: results.json, report.html", "lrsr.experiments.tasks:run_eval"),
+    "identities": Command("contact sheet and uniqueness check (not in this version)"),
+    "models": Command("list, verify and pull weights (not in this version)"),
+}
+
+USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
+
+usage: lrsr COMMAND [key=value ...] [--cfg job] [--multirun] [--help] [--debug]
+
+commands:
+{chr(10).join(f"  {name:<11} {command.does}" for name, command in COMMANDS.items())}
+
+examples:
+  lrsr demo
+  lrsr eval experiment=super_resolution identities.count=200 options=[1,4]
+  lrsr render identities.count=3 pose=left lighting=above ipd_px=8 out=probes
+  lrsr train sr=srcnn4x identities.count=300
+
+lrsr COMMAND --help lists what can be overridden; lrsr COMMAND --cfg job prints the configuration.
+"""
+
+logger = logging.getLogger(__name__)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status.
+
+    Args:
+        argv: The words after ``lrsr``; ``sys.argv[1:]`` when None.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    debug = "--debug" in words
+    words = [word for word in words if word != "--debug"]
+    if not words or words[0] in {"-h", "--help"}:
+        sys.stdout.write(USAGE)
+        return 0
+    if words[0] in {"-V", "--version"}:
+        sys.stdout.write(f"lrsr {__version__}\n")
+        return 0
+    logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(name)s: %(message)s")
+    try:
+        _run(words[0], words[1:])
+    except KeyboardInterrupt:
+        sys.stderr.write("lrsr: interrupted; run the same command again to go on\n")
+        return 130
+    except SystemExit as stop:  # argparse, inside Hydra
+        return stop.code if isinstance(stop.code, int) else 2
+    except Exception as error:
+        if debug:
+            raise
+        return _explain(error)
+    return 0
+
+
+def _run(name: str, overrides: list[str]) -> None:
+    if name not in COMMANDS:
+        near = get_close_matches(name, COMMANDS, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {', '.join(COMMANDS)}"
+        raise InputError(f"no command {name!r}: {hint}")
+    command = COMMANDS[name]
+    if command.task is None:
+        raise InputError(f"lrsr {name} is not in version {__version__}: it comes with a later one")
+    folder = config_folder()
+    os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach `main`, which says them in one line
+    import hydra  # noqa: PLC0415 - a quarter of a second that `lrsr --help` need not pay
+
+    arguments = sys.argv
+    sys.argv = [f"lrsr {name}", *overrides]
+    try:
+        hydra.main(version_base="1.3", config_path=str(folder), config_name=name)(_task(command.task))()
+    finally:
+        sys.argv = arguments
+
+
+def _task(path: str) -> "Callable[[DictConfig], None]":
+    module, function = path.split(":")
+
+    def run(config: "DictConfig") -> None:
+        task: Callable[[DictConfig], None] = getattr(importlib.import_module(module), function)
+        task(config)
+
+    return run
+
+
+def _explain(error: BaseException) -> int:
+    """Say what went wrong in one line on stderr; return 2 for the user's input, 1 for ours."""
+    from hydra.errors import HydraException  # noqa: PLC0415 - only on the way out
+    from omegaconf.errors import OmegaConfBaseException  # noqa: PLC0415 - only on the way out
+
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, InputError):
+        cause = cause.__cause__
+    if cause is not None:
+        sys.stderr.write(f"lrsr: {_one_line(cause)}\n")
+        return 2
+    if isinstance(error, HydraException | OmegaConfBaseException):
+        sys.stderr.write(f"lrsr: {_one_line(error)} (--cfg job prints every setting)\n")
+        return 2
+    sys.stderr.write(
+        f"lrsr: a fault of ours: {type(error).__name__}: {_one_line(error)}"
+        " (the same command with --debug shows where)\n"
+    )
+    return 1
+
+
+def _one_line(error: BaseException) -> str:
+    return "; ".join(line.strip() for line in str(error).splitlines() if line.strip())

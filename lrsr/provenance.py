@@ -1,0 +1,65 @@
+"""What made this result? Every run folder says: configuration, seed, versions, git hash."""
+
+import platform
+import subprocess
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lrsr import __version__
+from lrsr.files import write_json, write_text
+from lrsr.paths import PACKAGE
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+RECORDED = (
+    "drjit",
+    "hydra-core",
+    "kornia",
+    "lightning",
+    "mitsuba",
+    "numpy",
+    "onnxruntime",
+    "opencv-contrib-python-headless",
+    "scikit-learn",
+    "scipy",
+    "torch",
+    "torchvision",
+)
+"""Distributions whose version can change a number."""
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of lrsr, Python and the libraries, and the commit if this is a checkout."""
+    found = {"lrsr": __version__, "git": git_hash(), "python": platform.python_version()}
+    found |= {name: metadata.version(name) for name in RECORDED}
+    return found
+
+
+def git_hash() -> str:
+    """Return the commit of the checkout that lrsr runs from, "+" if it is changed, or "installed"."""
+    if not (PACKAGE.parent / ".git").exists():
+        return "installed"
+    try:
+        commit = _git("rev-parse", "--short=12", "HEAD")
+        return commit + ("+" if _git("status", "--porcelain", "--", "lrsr", "conf") else "")
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+
+
+def write_provenance(folder: Path, config: "DictConfig") -> None:
+    """Write ``config.yaml`` (resolved) and ``versions.json`` into a run folder.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    from omegaconf import OmegaConf  # noqa: PLC0415 - Hydra is loaded by the time of a run
+
+    write_text(folder / "config.yaml", OmegaConf.to_yaml(config, resolve=True))
+    write_json(folder / "versions.json", versions())
+
+
+def _git(*words: str) -> str:
+    command = ["git", "-C", str(PACKAGE.parent), *words]
+    return subprocess.run(command, capture_output=True, check=True, text=True, timeout=10).stdout.strip()
