@@ -35,10 +35,10 @@ class Command:
 
 
 COMMANDS = {
-    "demo": Command("the whole story in minutes, into one report.html", "lrsr.experiments.tasks:run_demo"),
-    "render": Command("probes, references and gallery into a folder", "lrsr.data.tasks:run_render"),
-    "train": Command("sr=srcnn2x|srcnn4x or recognition=arcface", "lrsr.experiments.tasks:run_train"),
-    "eval": Command("an experiment: results.json, report.html", "lrsr.experiments.tasks:run_eval"),
+    "demo": Command("the whole story in minutes, into one report.html", "lrsr.tasks:run_demo"),
+    "render": Command("probes, references and gallery into a folder", "lrsr.tasks:run_render"),
+    "train": Command("sr=srcnn2x|srcnn4x or recognition=arcface", "lrsr.tasks:run_train"),
+    "eval": Command("an experiment: results.json, report.html", "lrsr.tasks:run_eval"),
     "identities": Command("contact sheet and uniqueness check (not in this version)"),
     "models": Command("list, verify and pull weights (not in this version)"),
 }

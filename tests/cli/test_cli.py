@@ -1,0 +1,91 @@
+"""The command line as a user meets it: help, overrides, one-line errors, exit status."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lrsr.cli import COMMANDS, main
+from lrsr.errors import InputError
+
+
+def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    page = capsys.readouterr().out
+    assert all(f"\n  {name} " in page for name in COMMANDS)
+
+
+def test_no_word_at_all_is_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    assert "usage: lrsr COMMAND" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["demo", "render", "train", "eval"])
+def test_cfg_job_prints_the_configuration_from_an_empty_folder(
+    command: str, tmp_path: Path
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "lrsr", command, "--cfg", "job"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "identities:" in done.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["evla"], "did you mean 'eval'"),
+        (["fly"], "choose one of demo"),
+        (["identities"], "later"),
+        (["models"], "later"),
+        (["eval", "idnetities.count=3"], "idnetities"),
+        (["eval", "identities=nobody"], "nobody"),
+        (["eval", "identities.count=many"], "count"),
+        (["eval", "identities.count=0"], "identities.count"),
+        (["eval", "identities.count=[1"], "identities.count"),
+        (["eval", "methods=[magic]"], "magic"),
+        (["eval", "options=[7]"], "options"),
+        (["eval", "ipd_px=-1"], "ipd_px"),
+        (["train"], "sr=srcnn4x"),
+        (["render"], "out"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else None,
+)
+def test_wrong_input_is_one_line_and_status_2(
+    words: list[str], says: str, tmp_path: Path
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "lrsr", *words],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert done.stderr.startswith("lrsr: ")
+    assert says in done.stderr
+
+
+def test_debug_shows_the_traceback() -> None:
+    with pytest.raises(InputError, match="did you mean 'eval'"):
+        main(["evla", "--debug"])
+
+
+def test_a_fault_of_ours_is_status_1(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(name: str, overrides: list[str]) -> None:
+        raise RuntimeError("two\nlines")
+
+    monkeypatch.setattr("lrsr.cli._run", fail)
+    assert main(["eval"]) == 1
+    assert capsys.readouterr().err.startswith("lrsr: a fault of ours: RuntimeError: two; lines")
+
+
+def test_ctrl_c_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(name: str, overrides: list[str]) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("lrsr.cli._run", interrupt)
+    assert main(["eval"]) == 130

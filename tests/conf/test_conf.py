@@ -1,0 +1,52 @@
+"""Every shipped configuration composes, and stays short enough to read."""
+
+from pathlib import Path
+
+import pytest
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
+
+from lrsr.paths import config_folder
+
+FOLDER = config_folder()
+EXPERIMENTS = sorted(path.stem for path in (FOLDER / "experiment").glob("*.yaml"))
+COMMANDS = ("demo", "eval", "render", "train")
+
+
+def composed(command: str, *overrides: str) -> dict[str, object]:
+    with initialize_config_dir(str(FOLDER), version_base="1.3"):
+        config = compose(command, list(overrides))
+    plain = OmegaConf.to_container(config)
+    assert isinstance(plain, dict)
+    return {str(key): value for key, value in plain.items()}
+
+
+@pytest.mark.parametrize("experiment", EXPERIMENTS)
+def test_every_experiment_composes(experiment: str) -> None:
+    assert composed("eval", f"experiment={experiment}")["name"] == experiment
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_a_configuration(command: str) -> None:
+    assert "identities" in composed(command)
+
+
+@pytest.mark.parametrize(
+    "file", sorted(FOLDER.rglob("*.yaml")), ids=lambda path: str(path.relative_to(FOLDER))
+)
+def test_a_file_says_what_it_is_and_stays_short(file: Path) -> None:
+    lines = file.read_text().splitlines()
+    assert any(line.startswith("# ") for line in lines[:2]), "no first line that says what it is"
+    assert len(lines) <= 40
+
+
+def test_the_six_options_are_table_2_of_the_paper() -> None:
+    table = composed("eval")["conditions"]
+    assert table == {
+        1: {"compression": "none", "lighting": "frontal", "pose": "frontal"},
+        2: {"compression": "none", "lighting": "above", "pose": "frontal"},
+        3: {"compression": "none", "lighting": "above", "pose": "down"},
+        4: {"compression": "heavy", "lighting": "frontal", "pose": "down"},
+        5: {"compression": "heavy", "lighting": "below", "pose": "up"},
+        6: {"compression": "heavy", "lighting": "below", "pose": "left"},
+    }
