@@ -1,10 +1,11 @@
 """How is a file written so that a kill at any moment leaves the old one or the new one, whole?"""
 
+import fcntl
 import json
 import os
-import tempfile
+import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +20,12 @@ def replacing(path: Path) -> Iterator[Path]:
         InputError: The folder cannot be written or the disk is full; ``path`` is left as it was.
     """
     temporary: Path | None = None
+    lock: int | None = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        os.close(handle)
-        temporary = Path(name)
+        lock = _lock(path.parent, fcntl.LOCK_SH)
+        temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+        temporary.touch(exist_ok=False)
         yield temporary
         with temporary.open("rb") as written:
             os.fsync(written.fileno())
@@ -36,6 +38,38 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+        if lock is not None:
+            os.close(lock)
+
+
+def sweep(folder: Path) -> int:
+    """Remove what killed writers left in ``folder`` (not below it); return how many files.
+
+    While :func:`replacing` runs it holds a shared lock on the folder, which the system releases
+    when the process dies: if anyone is still writing there, nothing is removed.
+    """
+    lock = _lock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    if lock is None:
+        return 0
+    try:
+        stale = list(folder.glob(".*.part"))
+        for part in stale:
+            part.unlink(missing_ok=True)
+        return len(stale)
+    finally:
+        os.close(lock)
+
+
+def _lock(folder: Path, kind: int) -> int | None:
+    """Open and lock a folder; None where that cannot be had, or not on this disk at all."""
+    handle: int | None = None
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        fcntl.flock(handle, kind)
+        return handle
+    if handle is not None:
+        os.close(handle)
+    return None
 
 
 def write_bytes(path: Path, content: bytes) -> None:

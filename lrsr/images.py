@@ -1,15 +1,21 @@
 """What is an image here? The contract, stated once; each line has a test.
 
-- ``(B, C, H, W)`` float32 torch, RGB; one image is ``(C, H, W)`` only inside a dataclass that says so.
+- ``(B, C, H, W)`` float32 torch, RGB; one image is ``(C, H, W)`` only in a dataclass that says so.
 - ``linear`` until the sensor, ``srgb`` after it, never unnamed; srgb lies in [0, 1].
-- Pixel (0, 0) is the top-left; a point's coordinate is 0 at the centre of pixel (0, 0), so on a film
-  s times finer x' = s (x + 0.5) - 0.5.
+- Pixel (0, 0) is the top-left; a point's coordinate is 0 at the centre of pixel (0, 0), so on a
+  film s times finer x' = s (x + 0.5) - 0.5.
 - Nothing is inferred from the values: range, channel order and colour space are arguments.
 - Luminance is BT.601 in studio range, (16 + 65.481 R + 128.553 G + 24.966 B) / 255, as in MATLAB's
   ``rgb2ycbcr`` and in every published SRCNN figure.
+- There is one bicubic, :func:`resize_bicubic`: a = -0.5, antialiased when shrinking, as in MATLAB's
+  ``imresize``.
 """
 
+from fractions import Fraction
+from math import ceil
+
 import torch
+from torch.nn import functional as F
 
 from lrsr.errors import ImageContractError, NonFiniteError
 
@@ -51,7 +57,9 @@ def linear_to_srgb(linear: torch.Tensor) -> torch.Tensor:
         0.4614
     """
     x = linear.clamp(0.0, 1.0)
-    return torch.where(x <= 0.0031308, 12.92 * x, 1.055 * x.clamp_min(0.0031308) ** (1 / 2.4) - 0.055)
+    return torch.where(
+        x <= 0.0031308, 12.92 * x, 1.055 * x.clamp_min(0.0031308) ** (1 / 2.4) - 0.055
+    )
 
 
 def srgb_to_linear(srgb: torch.Tensor) -> torch.Tensor:
@@ -64,7 +72,9 @@ def srgb_to_linear(srgb: torch.Tensor) -> torch.Tensor:
         >>> round(float(srgb_to_linear(torch.tensor(0.5))), 4)
         0.214
     """
-    return torch.where(srgb <= 0.04045, srgb / 12.92, ((srgb.clamp_min(0.04045) + 0.055) / 1.055) ** 2.4)
+    return torch.where(
+        srgb <= 0.04045, srgb / 12.92, ((srgb.clamp_min(0.04045) + 0.055) / 1.055) ** 2.4
+    )
 
 
 def rgb_to_ycbcr(srgb: torch.Tensor) -> torch.Tensor:
@@ -112,3 +122,45 @@ def scale_points(points: torch.Tensor, scale: float) -> torch.Tensor:
         [0.5, 2.5]
     """
     return scale * (points + 0.5) - 0.5
+
+
+def resize_bicubic(images: torch.Tensor, scale: float) -> torch.Tensor:
+    """Resize by Keys' cubic convolution, a = -0.5, antialiased when shrinking; edges replicate.
+
+    The kernel of MATLAB's ``imresize`` and of torch's ``interpolate(mode="bicubic",
+    antialias=True)``; at the border it sees the edge pixel repeated, where torch alone would cut
+    the kernel off. The result may leave the range of the input and is not
+    clipped (R. Keys, 1981, doi:10.1109/TASSP.1981.1163711, eq. 15).
+
+    Args:
+        images: ``(B, C, H, W)`` float32, any colour space.
+        scale: New size over old, > 0; ``scale * H`` and ``scale * W`` must be whole numbers.
+
+    Returns:
+        ``(B, C, scale * H, scale * W)`` float32; points move by :func:`scale_points`.
+
+    Raises:
+        ImageContractError: The images break the contract, or the new size is not whole.
+
+    Example:
+        >>> resize_bicubic(torch.tensor([[[[0.0, 1.0]]]]), 2).mul(1000).round()[0, 0, 0].tolist()
+        [-70.0, 203.0, 797.0, 1070.0]
+    """
+    check_images(images, channels=images.shape[1] if images.ndim == 4 else 3)
+    ratio = Fraction(scale).limit_denominator(1000)
+    height, width = (size * ratio for size in images.shape[-2:])
+    if ratio <= 0 or height.denominator != 1 or width.denominator != 1:
+        raise ImageContractError(
+            f"scale {scale} of {images.shape[-2]}x{images.shape[-1]} pixels is not a whole size"
+        )
+    pad = ceil(2 / min(ratio, Fraction(1)) / ratio.denominator) * ratio.denominator
+    edge = int(pad * ratio)
+    padded = F.pad(images, (pad, pad, pad, pad), mode="replicate")
+    resized = F.interpolate(
+        padded,
+        size=(int(height) + 2 * edge, int(width) + 2 * edge),
+        mode="bicubic",
+        antialias=True,
+        align_corners=False,
+    )
+    return resized[..., edge:-edge, edge:-edge].contiguous()
