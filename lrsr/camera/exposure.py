@@ -1,0 +1,47 @@
+"""How bright does the camera make a picture? By an incident-light meter, never by its content."""
+
+import torch
+
+from lrsr.errors import ImageContractError
+from lrsr.images import check_images
+
+KEY = 0.8
+"""Linear value at which a diffuse white sphere is recorded on average at 0 EV.
+
+An incident-light meter knows the light and not the subject, so the same light gives the same
+exposure whoever stands in it, and skin tones keep their order. At 0.8 a face of albedo 0.35
+averages 0.28 linear, 0.57 in sRGB, and a frontally lit one peaks at 1.5 times that (a Lambertian
+sphere seen from its light: mean 2/3 of the peak), 0.42 linear, 0.68 in sRGB; an albedo of 0.8
+just reaches white there, so of a face only specular highlights clip.
+"""
+
+
+def expose(linear: torch.Tensor, metered: torch.Tensor, exposure_ev: float = 0.0) -> torch.Tensor:
+    """Scale scene-referred light by ``KEY * 2**exposure_ev / metered``.
+
+    Args:
+        linear: ``(B, 3, H, W)`` float32, scene-referred linear light, >= 0, unbounded.
+        metered: ``(B,)``, what :class:`lrsr.rendering.radiance.Radiance` calls ``metered``, > 0.
+        exposure_ev: Correction in stops; +1 doubles the light.
+
+    Returns:
+        ``(B, 3, H, W)`` float32, linear, 1 = the sensor's white; not clipped.
+
+    Raises:
+        ImageContractError: The images break the contract, or ``metered`` is not one positive
+            number for each of them.
+        NonFiniteError: A NaN or an infinity in the images.
+
+    Example:
+        >>> expose(torch.ones(1, 3, 1, 1), torch.tensor([2.0]), exposure_ev=1.0).flatten().tolist()
+        [0.800000011920929, 0.800000011920929, 0.800000011920929]
+    """
+    check_images(linear, name="linear")
+    if metered.shape != (len(linear),):
+        raise ImageContractError(
+            f"metered: got shape {tuple(metered.shape)}, wanted ({len(linear)},)"
+        )
+    if not bool((torch.isfinite(metered) & (metered > 0)).all()):
+        raise ImageContractError(f"metered: got {metered.tolist()}, wanted finite numbers > 0")
+    gain: torch.Tensor = KEY * 2.0**exposure_ev / metered.to(linear)
+    return linear * gain[:, None, None, None]
