@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lrsr import __version__
@@ -102,12 +103,14 @@ def _run(name: str, overrides: list[str]) -> None:
         raise InputError(f"lrsr {name} is not in version {__version__}: it comes with a later one")
     folder = config_folder()
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach `main`, which says them in one line
-    import hydra  # noqa: PLC0415 - a quarter of a second that `lrsr --help` need not pay
+    import hydra  # a quarter of a second that `lrsr --help` need not pay
 
     arguments = sys.argv
     sys.argv = [f"lrsr {name}", *overrides]
     try:
-        hydra.main(version_base="1.3", config_path=str(folder), config_name=name)(_task(command.task))()
+        hydra.main(version_base="1.3", config_path=str(folder), config_name=name)(
+            _task(command.task)
+        )()
     finally:
         sys.argv = arguments
 
@@ -116,16 +119,16 @@ def _task(path: str) -> "Callable[[DictConfig], None]":
     module, function = path.split(":")
 
     def run(config: "DictConfig") -> None:
-        task: Callable[[DictConfig], None] = getattr(importlib.import_module(module), function)
-        task(config)
+        task: Callable[[DictConfig], Path] = getattr(importlib.import_module(module), function)
+        sys.stdout.write(f"{task(config)}\n")
 
     return run
 
 
 def _explain(error: BaseException) -> int:
     """Say what went wrong in one line on stderr; return 2 for the user's input, 1 for ours."""
-    from hydra.errors import HydraException  # noqa: PLC0415 - only on the way out
-    from omegaconf.errors import OmegaConfBaseException  # noqa: PLC0415 - only on the way out
+    from hydra.errors import HydraException  # only on the way out
+    from omegaconf.errors import OmegaConfBaseException  # only on the way out
 
     cause: BaseException | None = error
     while cause is not None and not isinstance(cause, InputError):

@@ -10,8 +10,12 @@ class InputError(Exception):
 
 
 class ImageContractError(InputError, ValueError):
-    """An image breaks the contract of :mod:`lrsr.images`; the message says what came and what was wanted."""
+    """An image breaks the contract of :mod:`lrsr.images`; says what came and what was wanted."""
 
 
 class NonFiniteError(RuntimeError):
     """A NaN or an infinity appeared in an image or a loss; the message says where."""
+
+
+class ScoreError(InputError, ValueError):
+    """Scores cannot be evaluated; the message names the first offender and the remedy."""

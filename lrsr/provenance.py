@@ -31,14 +31,14 @@ RECORDED = (
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of lrsr, Python and the libraries, and the commit if this is a checkout."""
+    """Return the versions of lrsr, Python and the libraries, and the commit of a checkout."""
     found = {"lrsr": __version__, "git": git_hash(), "python": platform.python_version()}
     found |= {name: metadata.version(name) for name in RECORDED}
     return found
 
 
 def git_hash() -> str:
-    """Return the commit of the checkout that lrsr runs from, "+" if it is changed, or "installed"."""
+    """Return the commit of the checkout (with "+" if it is changed), or "installed"."""
     if not (PACKAGE.parent / ".git").exists():
         return "installed"
     try:
@@ -54,7 +54,7 @@ def write_provenance(folder: Path, config: "DictConfig") -> None:
     Raises:
         InputError: The folder cannot be written.
     """
-    from omegaconf import OmegaConf  # noqa: PLC0415 - Hydra is loaded by the time of a run
+    from omegaconf import OmegaConf  # Hydra is loaded by the time of a run
 
     write_text(folder / "config.yaml", OmegaConf.to_yaml(config, resolve=True))
     write_json(folder / "versions.json", versions())
@@ -62,4 +62,6 @@ def write_provenance(folder: Path, config: "DictConfig") -> None:
 
 def _git(*words: str) -> str:
     command = ["git", "-C", str(PACKAGE.parent), *words]
-    return subprocess.run(command, capture_output=True, check=True, text=True, timeout=10).stdout.strip()
+    return subprocess.run(
+        command, capture_output=True, check=True, text=True, timeout=10
+    ).stdout.strip()

@@ -54,9 +54,7 @@ def test_cfg_job_prints_the_configuration_from_an_empty_folder(
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )
-def test_wrong_input_is_one_line_and_status_2(
-    words: list[str], says: str, tmp_path: Path
-) -> None:
+def test_wrong_input_is_one_line_and_status_2(words: list[str], says: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "lrsr", *words],
         cwd=tmp_path, capture_output=True, text=True, check=False,
