@@ -1,0 +1,171 @@
+"""How does a coarse mesh of quads become a smooth one? By a sparse matrix, once for all heads.
+
+Catmull and Clark, "Recursively generated B-spline surfaces on arbitrary topological meshes",
+Computer-Aided Design 10 (1978). The rules are linear in the positions, so for a fixed topology two
+rounds are one matrix: a new head costs one sparse product, whatever its shape.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Quads = NDArray[np.int64]
+"""``(F, 4)`` corners, counter-clockwise seen from outside."""
+
+
+class Subdivision(NamedTuple):
+    """One round, or several rounds, of subdivision of a fixed topology.
+
+    Attributes:
+        matrix: ``(V_new, V_old)`` float64; each row sums to 1. The old vertices come first.
+        quads: ``(F_new, 4)``: four for each old one, in its order; the k-th starts at corner k.
+    """
+
+    matrix: sparse.csr_matrix
+    quads: Quads
+
+
+def _edges(quads: Quads) -> tuple[Quads, Quads, Quads]:
+    """Return unique edges ``(E, 2)``, the edge of each side ``(F, 4)``, faces per edge ``(E,)``."""
+    sides = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1)
+    sides = np.sort(sides.reshape(-1, 2), axis=1)
+    unique, inverse, counts = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    return unique, inverse.reshape(quads.shape), counts
+
+
+def _selector(rows: Quads, columns: Quads, shape: tuple[int, int]) -> sparse.csr_matrix:
+    """Return a matrix with a 1 at each of the places, repeated places added up."""
+    ones = np.ones(rows.size)
+    return sparse.csr_matrix((ones, (rows.ravel(), columns.ravel())), shape=shape)
+
+
+def _new_quads(quads: Quads, side_edges: Quads, n_vertices: int, n_edges: int) -> Quads:
+    """Split every quad in four: corner, the edge after it, the centre, the edge before it."""
+    after = n_vertices + side_edges
+    before = np.roll(after, 1, axis=1)
+    centre = n_vertices + n_edges + np.arange(len(quads))
+    centres = np.broadcast_to(centre[:, None], quads.shape)
+    return np.stack([quads, after, centres, before], axis=-1).reshape(-1, 4)
+
+
+def _check(quads: Quads, n_vertices: int) -> None:
+    if quads.ndim != 2 or quads.shape[1] != 4:
+        raise ValueError(f"quads must be (F, 4), got {quads.shape}")
+    if quads.size and (quads.min() < 0 or quads.max() >= n_vertices):
+        raise ValueError(f"a quad names vertex {quads.max()} of {n_vertices}")
+
+
+def split_linearly(quads: Quads, n_vertices: int) -> Subdivision:
+    """Split every quad in four without moving anything: the rule for texture coordinates.
+
+    Args:
+        quads: ``(F, 4)``.
+        n_vertices: How many vertices there are, > every index in ``quads``.
+
+    Returns:
+        Old vertices, then edge midpoints, then face centres.
+
+    Raises:
+        ValueError: ``quads`` is not ``(F, 4)`` or names a vertex that does not exist.
+    """
+    _check(quads, n_vertices)
+    edges, side_edges, _ = _edges(quads)
+    middle = _selector(np.arange(len(edges))[:, None].repeat(2, 1), edges, (len(edges), n_vertices))
+    centre = _selector(np.arange(len(quads))[:, None].repeat(4, 1), quads, (len(quads), n_vertices))
+    matrix = sparse.vstack([sparse.identity(n_vertices), middle / 2, centre / 4], format="csr")
+    return Subdivision(matrix, _new_quads(quads, side_edges, n_vertices, len(edges)))
+
+
+def split_smoothly(quads: Quads, n_vertices: int) -> Subdivision:
+    """Build one round of Catmull-Clark.
+
+    An open border follows the cubic B-spline of its own vertices (DeRose et al. 1998, eq. 1-2); a
+    vertex where more than two border edges meet stays where it is.
+
+    Args:
+        quads: ``(F, 4)``, at most two per edge.
+        n_vertices: How many vertices there are, > every index in ``quads``.
+
+    Returns:
+        Moved old vertices, then edge points, then face points.
+
+    Raises:
+        ValueError: ``quads`` is not ``(F, 4)`` or names a vertex that does not exist.
+    """
+    linear = split_linearly(quads, n_vertices)
+    edges, side_edges, counts = _edges(quads)
+    n_edges = len(edges)
+    middle, centre = linear.matrix[n_vertices:-len(quads)], linear.matrix[-len(quads) :]
+    border = counts == 1
+
+    faces_of_edge = _selector(
+        side_edges, np.arange(len(quads))[:, None].repeat(4, 1), (n_edges, len(quads))
+    )
+    inner = sparse.diags(np.where(border, 0.0, 0.5))
+    edge_points = sparse.diags(np.where(border, 1.0, 0.5)) @ middle + inner @ (
+        sparse.diags(1.0 / counts) @ faces_of_edge @ centre
+    )
+
+    faces_of_vertex = _selector(
+        quads, np.arange(len(quads))[:, None].repeat(4, 1), (n_vertices, len(quads))
+    )
+    edges_of_vertex = _selector(
+        edges, np.arange(n_edges)[:, None].repeat(2, 1), (n_vertices, n_edges)
+    )
+    valence = np.maximum(np.asarray(edges_of_vertex.sum(axis=1)).ravel(), 1.0)
+    n_faces = np.maximum(np.asarray(faces_of_vertex.sum(axis=1)).ravel(), 1.0)
+    smooth = (
+        sparse.diags(1.0 / (n_faces * valence)) @ faces_of_vertex @ centre
+        + sparse.diags(2.0 / valence**2) @ edges_of_vertex @ middle
+        + sparse.diags((valence - 3.0) / valence)
+    )
+    border_edges = edges_of_vertex @ sparse.diags(border.astype(np.float64))
+    n_border = np.asarray(border_edges.sum(axis=1)).ravel()
+    rim = sparse.diags(np.full(n_vertices, 0.5)) + border_edges @ middle / 4.0
+    is_inner, is_rim = n_border == 0, n_border == 2
+    used = np.asarray(faces_of_vertex.sum(axis=1)).ravel() > 0
+    vertex_points = (
+        sparse.diags((is_inner & used).astype(np.float64)) @ smooth
+        + sparse.diags(is_rim.astype(np.float64)) @ rim
+        + sparse.diags((~(is_rim | (is_inner & used))).astype(np.float64))
+    )
+    matrix = sparse.vstack([vertex_points, edge_points, centre], format="csr")
+    return Subdivision(matrix, linear.quads)
+
+
+def subdivide(quads: Quads, n_vertices: int, rounds: int, *, smooth: bool) -> Subdivision:
+    """Chain ``rounds`` rounds into one matrix.
+
+    Args:
+        quads: ``(F, 4)``.
+        n_vertices: How many vertices there are.
+        rounds: >= 0; each makes four quads of one.
+        smooth: Catmull-Clark; else straight halving (texture coordinates).
+
+    Returns:
+        The product matrix ``(V_new, n_vertices)`` and the final quads ``(F 4^rounds, 4)``.
+
+    Raises:
+        ValueError: ``quads`` is not ``(F, 4)``, names a missing vertex, or ``rounds`` is negative.
+    """
+    _check(quads, n_vertices)
+    if rounds < 0:
+        raise ValueError(f"rounds must be >= 0, got {rounds}")
+    split = split_smoothly if smooth else split_linearly
+    total = Subdivision(sparse.identity(n_vertices, format="csr"), quads)
+    for _ in range(rounds):
+        step = split(total.quads, total.matrix.shape[0])
+        total = Subdivision(sparse.csr_matrix(step.matrix @ total.matrix), step.quads)
+    return total
+
+
+def triangulate(quads: Quads) -> NDArray[np.int64]:
+    """Cut every quad along its first diagonal: ``(F, 4)`` to ``(2 F, 3)``, same winding.
+
+    Example:
+        >>> triangulate(np.array([[0, 1, 2, 3]])).tolist()
+        [[0, 1, 2], [0, 2, 3]]
+    """
+    return np.stack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
