@@ -1,0 +1,147 @@
+"""How is a face brought to the embedder's 112×112 pixels? Five points, one similarity, no rounding.
+
+A landmark's coordinate is 0 at the centre of pixel (0, 0), as in :mod:`lrsr.images`, in OpenCV and
+in insightface's template. All is floating point: rounding landmarks to whole pixels costs 2.3° of
+roll at 10 px between the eyes, and 0.6° after a fourfold enlargement, which would be credited to
+the enlargement.
+
+The warp is bilinear. A face of 10 px between the eyes is therefore enlarged 3.5 times bilinearly by
+the alignment itself, whatever came before it.
+"""
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from numpy.typing import ArrayLike, NDArray
+
+from lrsr.errors import ImageContractError
+from lrsr.images import check_images
+
+CROP_PX = 112
+"""Side of the aligned face, px."""
+
+TEMPLATE_PX: NDArray[np.float64] = np.array(
+    [
+        [38.2946, 51.6963],
+        [73.5318, 51.5014],
+        [56.0252, 71.7366],
+        [41.5493, 92.3655],
+        [70.7299, 92.2041],
+    ]
+)
+"""Where ArcFace wants left eye, right eye, nose, left and right mouth corner: ``(5, 2)``, px."""
+
+
+def fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
+    """Fit rotation, uniform scale and shift from landmarks onto :data:`TEMPLATE_PX`, least squares.
+
+    Umeyama, *Least-squares estimation of transformation parameters between two point patterns*
+    (1991), equations 40 to 43, without reflections.
+
+    Args:
+        landmarks_px: ``(B, 5, 2)``, (x, y) in px of each image.
+
+    Returns:
+        ``(B, 2, 3)``: maps (x, y, 1) of the image to the crop. All NaN where a landmark is not
+        finite or all five coincide: there is no face to align.
+
+    Raises:
+        ImageContractError: The landmarks have another shape.
+
+    Example:
+        >>> fit_similarities(TEMPLATE_PX[None] * 2)[0].round(6).tolist()
+        [[0.5, 0.0, 0.0], [-0.0, 0.5, 0.0]]
+    """
+    points = np.asarray(landmarks_px, dtype=np.float64)
+    if points.ndim != 3 or points.shape[1:] != (5, 2):
+        raise ImageContractError(f"landmarks_px: got shape {points.shape}, wanted (B, 5, 2)")
+    matrices = np.full((len(points), 2, 3), np.nan)
+    spread_px = np.ptp(points, axis=1).max(axis=1)
+    usable = np.isfinite(spread_px) & (spread_px > 1e-6)
+    source = points[usable]
+    source_mean = source.mean(axis=1)
+    target_mean = TEMPLATE_PX.mean(axis=0)
+    centred = source - source_mean[:, None]
+    covariance = np.einsum("kd,bke->bde", TEMPLATE_PX - target_mean, centred) / 5
+    u, singular, vt = np.linalg.svd(covariance)
+    signs = np.ones_like(singular)
+    signs[:, 1] = np.where(np.linalg.det(u) * np.linalg.det(vt) < 0, -1.0, 1.0)
+    rotation = np.einsum("bij,bj,bjk->bik", u, signs, vt)
+    variance = np.square(centred).sum(axis=(1, 2)) / 5
+    scale = (singular * signs).sum(axis=1) / variance
+    linear = scale[:, None, None] * rotation
+    matrices[usable, :, :2] = linear
+    matrices[usable, :, 2] = target_mean - np.einsum("bij,bj->bi", linear, source_mean)
+    return matrices
+
+
+def warp(
+    images: torch.Tensor, matrices: NDArray[np.float64], *, size_px: int, antialias: bool
+) -> torch.Tensor:
+    """Resample images through ``matrices``, bilinearly; what lies outside an image is black.
+
+    Args:
+        images: ``(B, C, H, W)`` float32, any range.
+        matrices: ``(B, 2, 3)``, image (x, y, 1) to result; finite and invertible.
+        size_px: Height and width of the result, px.
+        antialias: Where the result is smaller than the image, average k×k bilinear samples per
+            pixel of the result, k = the minification rounded up. Off: one sample, as insightface.
+
+    Returns:
+        ``(B, C, size_px, size_px)`` float32.
+    """
+    inverses = np.linalg.inv(matrices[:, :, :2]).astype(np.float64, copy=False)
+    rays = np.ones(len(images), dtype=np.int64)
+    if antialias:
+        minification = np.sqrt(np.abs(np.linalg.det(inverses)))
+        rays = np.maximum(1, np.ceil(minification - 0.01)).astype(np.int64)
+    result = images.new_empty(len(images), images.shape[1], size_px, size_px)
+    height, width = images.shape[-2:]
+    for k in np.unique(rays).tolist():
+        chosen = np.flatnonzero(rays == k)
+        rows = torch.from_numpy(chosen)
+        places = _places(inverses[chosen], matrices[chosen, :, 2], size_px, k)
+        grid = torch.from_numpy((2 * places + 1) / np.array([width, height]) - 1).to(images)
+        fine = F.grid_sample(images[rows], grid, padding_mode="zeros", align_corners=False)
+        result[rows] = F.avg_pool2d(fine, k) if k > 1 else fine
+    return result
+
+
+def _places(
+    inverses: NDArray[np.float64], shifts: NDArray[np.float64], size_px: int, k: int
+) -> NDArray[np.float64]:
+    """Return where in the image k×k samples per result pixel lie: ``(B, k size, k size, 2)`` px."""
+    steps = (np.arange(k * size_px) + 0.5) / k - 0.5
+    target = np.stack(np.meshgrid(steps, steps, indexing="xy"), axis=-1)
+    places: NDArray[np.float64] = np.einsum(
+        "bij,byxj->byxi", inverses, target[None] - shifts[:, None, None]
+    )
+    return places
+
+
+def align(
+    srgb: torch.Tensor, landmarks_px: ArrayLike, *, antialias: bool
+) -> tuple[torch.Tensor, NDArray[np.bool_]]:
+    """Bring faces to the 112×112 template.
+
+    Args:
+        srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
+        landmarks_px: ``(B, 5, 2)``; a NaN says that no face was found.
+        antialias: See :func:`warp`.
+
+    Returns:
+        The crops ``(B, 3, 112, 112)``, black where no face was found, and ``(B,)``: was one found?
+
+    Raises:
+        ImageContractError: Images or landmarks have another shape, or their numbers differ.
+    """
+    check_images(srgb, name="srgb")
+    matrices = fit_similarities(landmarks_px)
+    if len(matrices) != len(srgb):
+        raise ImageContractError(f"{len(srgb)} images but landmarks for {len(matrices)}")
+    found: NDArray[np.bool_] = np.isfinite(matrices[:, 0, 0])
+    crops = srgb.new_zeros(len(srgb), 3, CROP_PX, CROP_PX)
+    if found.any():
+        rows = torch.from_numpy(found)
+        crops[rows] = warp(srgb[rows], matrices[found], size_px=CROP_PX, antialias=antialias)
+    return crops, found

@@ -1,0 +1,92 @@
+"""How alike are two faces? Align, embed, compare."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike, NDArray
+
+from lrsr.errors import ImageContractError
+from lrsr.paths import asset
+from lrsr.recognition.alignment import align
+from lrsr.recognition.embedding import Embedder
+from lrsr.recognition.scores import Scores
+
+DEFAULT_MODEL = "weights/arcface_small.onnx"
+"""Trained on rendered faces by ``lrsr train recognition=arcface``; its record lies beside it."""
+
+
+class Engine:
+    """Aligns faces by five given landmarks and embeds them.
+
+    Args:
+        model: An ONNX embedder with its contract beside it; default: the one that ships.
+        antialias: Overrules the contract's: average when alignment makes a face smaller?
+
+    Raises:
+        InputError: See :class:`lrsr.recognition.embedding.Embedder`.
+    """
+
+    def __init__(self, model: Path | None = None, *, antialias: bool | None = None) -> None:
+        self.embedder = Embedder(model if model is not None else asset(DEFAULT_MODEL))
+        self.antialias = self.embedder.contract.antialias if antialias is None else antialias
+
+    def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:
+        """Embed faces whose landmarks are known.
+
+        Args:
+            srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
+            landmarks_px: ``(B, 5, 2)``, (x, y) in px of ``srgb``; NaN = no face was found.
+
+        Returns:
+            ``(B, D)`` float32, rows of length 1; a row of NaN is a failure to acquire.
+
+        Raises:
+            ImageContractError: Images or landmarks have another shape, or their numbers differ.
+        """
+        crops, found = align(srgb, landmarks_px, antialias=self.antialias)
+        result = np.full((len(crops), self.embedder.contract.dimension), np.nan, dtype=np.float32)
+        result[found] = self.embedder(crops[torch.from_numpy(found)])
+        return result
+
+    def describe(self) -> dict[str, str | int | float | bool]:
+        """Return what a report must say of the recogniser; JSON-serialisable."""
+        contract = self.embedder.contract
+        return {
+            "model": self.embedder.model.name,
+            "sha256": contract.sha256,
+            "licence": contract.licence,
+            "source": contract.source,
+            "dimension": contract.dimension,
+            "alignment": contract.template,
+            "antialias": self.antialias,
+        }
+
+
+def cosine_scores(
+    probes: NDArray[np.float32],
+    gallery: NDArray[np.float32],
+    probe_ids: Sequence[str],
+    gallery_ids: Sequence[str],
+) -> Scores:
+    """Compare every probe with every gallery face.
+
+    Args:
+        probes: ``(P, D)`` embeddings of length 1, or NaN.
+        gallery: ``(G, D)`` embeddings of length 1, or NaN.
+        probe_ids: P identities.
+        gallery_ids: G identities.
+
+    Returns:
+        Cosines, higher = more alike; NaN where either side failed to acquire.
+
+    Raises:
+        ImageContractError: The embeddings are not two tables of the same width.
+    """
+    if probes.ndim != 2 or gallery.ndim != 2 or probes.shape[1] != gallery.shape[1]:
+        raise ImageContractError(
+            f"embeddings: got {probes.shape} and {gallery.shape}, wanted (P, D) and (G, D)"
+        )
+    matrix = np.asarray(probes, dtype=np.float64) @ np.asarray(gallery, dtype=np.float64).T
+    return Scores(matrix, tuple(probe_ids), tuple(gallery_ids))
