@@ -58,8 +58,8 @@ class Canvas:
             ``(..., 2)`` float32, column and row.
 
         Example:
-            >>> Canvas(-10.0, 5.0, 20.0, 10.0).to_pixels([-9.9, 4.9])
-            array([0., 0.], dtype=float32)
+            >>> Canvas(-10.0, 5.0, 20.0, 10.0, pixel_mm=0.5).to_pixels([-8.75, 4.25])
+            array([2., 1.], dtype=float32)
         """
         points = np.asarray(points_mm, dtype=np.float32)
         column = (points[..., 0] - np.float32(self.left_mm)) / np.float32(self.pixel_mm)

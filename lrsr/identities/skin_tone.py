@@ -75,7 +75,7 @@ def melanin_absorption(wavelength_nm: ArrayLike) -> FloatArray:
 
     Example:
         >>> melanin_absorption(500.0).round(1)
-        np.float64(66.3)
+        np.float64(66.2)
     """
     wavelength = np.asarray(wavelength_nm, dtype=np.float64)
     return 0.93 * 6.6e10 * wavelength**-3.33 + 0.07 * 2.9e14 * wavelength**-4.75
