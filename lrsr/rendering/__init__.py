@@ -1,1 +1,40 @@
-"""From a head to the light on the film, by Mitsuba 3."""
+"""From a head to the light on the film, by Mitsuba 3.
+
+Nothing heavy is imported until the first of these names is used, and Mitsuba not before a picture is.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lrsr.rendering.radiance import Radiance
+    from lrsr.rendering.renderer import Renderer, render
+    from lrsr.rendering.scene import Light, Lighting, Pose, find_lighting, find_pose
+
+_HOMES = {
+    "Radiance": "radiance",
+    "Renderer": "renderer",
+    "render": "renderer",
+    "Light": "scene",
+    "Lighting": "scene",
+    "Pose": "scene",
+    "find_lighting": "scene",
+    "find_pose": "scene",
+}
+
+__all__ = [
+    "Light",
+    "Lighting",
+    "Pose",
+    "Radiance",
+    "Renderer",
+    "find_lighting",
+    "find_pose",
+    "render",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name in _HOMES:
+        return getattr(import_module(f"lrsr.rendering.{_HOMES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

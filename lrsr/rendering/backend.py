@@ -1,0 +1,206 @@
+"""Which Mitsuba variant renders here, and why?
+
+``cuda_ad_rgb`` where a GPU renders, else ``llvm_ad_rgb`` with an LLVM that works, else ``scalar_rgb``.
+An old LLVM (14, 15) makes Dr.Jit abort the whole process, so every candidate renders a triangle in
+a child process first; the verdict is kept on disk, so that this costs seconds once per machine.
+"""
+
+import ctypes
+import ctypes.util
+import hashlib
+import json
+import logging
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from lrsr.errors import InputError
+from lrsr.files import write_json
+from lrsr.paths import cache_folder
+
+logger = logging.getLogger(__name__)
+
+VARIANTS = ("cuda_ad_rgb", "llvm_ad_rgb", "scalar_rgb")
+PROBE_SECONDS = 120
+"""A candidate that has not rendered a triangle by then counts as broken."""
+
+_SYSTEM_FOLDERS = ("/usr/lib", "/usr/lib64", "/usr/local/lib", "/opt/homebrew/opt/llvm/lib")
+
+_PROBE = """
+import sys
+import mitsuba as mi
+mi.set_variant(sys.argv[1])
+scene = mi.load_dict({"type": "scene", "light": {"type": "constant"}, "ball": {"type": "sphere"},
+    "integrator": {"type": "path", "max_depth": 2},
+    "sensor": {"type": "perspective", "to_world": mi.ScalarTransform4f().look_at(
+        origin=[0, 0, 4], target=[0, 0, 0], up=[0, 1, 0]),
+        "film": {"type": "hdrfilm", "width": 4, "height": 4}}})
+image = mi.render(scene, spp=4)
+mean = float(image.array[0])
+if not 0 < mean < 10:
+    sys.exit(f"rendered {mean}")
+"""
+
+
+@dataclass(frozen=True)
+class Backend:
+    """What renders.
+
+    Attributes:
+        variant: Of Mitsuba.
+        reason: Why this one, in one line.
+        llvm: Path of the LLVM library that Dr.Jit is to load; None: not needed, or its own search.
+    """
+
+    variant: str
+    reason: str
+    llvm: Path | None = None
+
+
+def choose_variant(candidates: Sequence[Path] | None = None) -> Backend:
+    """Choose the fastest variant that works on this machine; ``$LRSR_VARIANT`` overrides the choice.
+
+    Args:
+        candidates: LLVM libraries to try, in that order; None: :func:`find_llvm`.
+
+    Raises:
+        InputError: ``$LRSR_VARIANT`` names no variant of :data:`VARIANTS`, or one that cannot run here.
+    """
+    wanted = os.environ.get("LRSR_VARIANT")
+    if wanted and wanted not in VARIANTS:
+        raise InputError(f"LRSR_VARIANT={wanted}: choose one of {', '.join(VARIANTS)}, or unset it")
+    said = f"LRSR_VARIANT={wanted}" if wanted else None
+    if wanted == "scalar_rgb":
+        return Backend("scalar_rgb", f"{said} (slow)")
+    tried = []
+    if wanted in (None, "cuda_ad_rgb"):
+        if (driver := _cuda_driver()) and not (fault := _probe("cuda_ad_rgb", None, driver)):
+            return Backend("cuda_ad_rgb", said or "a CUDA device renders")
+        tried.append(f"CUDA: {fault if driver else 'no driver'}")
+    if wanted in (None, "llvm_ad_rgb"):
+        for library in find_llvm() if candidates is None else candidates:
+            if not (fault := _probe("llvm_ad_rgb", library, _stamp(library))):
+                return Backend("llvm_ad_rgb", said or f"{library} renders", library)
+            tried.append(f"{library}: {fault}")
+    faults = "; ".join(tried) or "no LLVM found"
+    if wanted:
+        raise InputError(f"LRSR_VARIANT={wanted} does not work here ({faults}); unset it")
+    return Backend("scalar_rgb", f"{faults}; slow: pip install karellen-llvm-core")
+
+
+def find_llvm() -> list[Path]:
+    """List the LLVM libraries worth trying, best first, each file once.
+
+    ``$DRJIT_LIBLLVM_PATH``; what pip installed into this environment (karellen-llvm-core); the
+    system's, newest first.
+    """
+    found: list[Path] = []
+    if given := os.environ.get("DRJIT_LIBLLVM_PATH"):
+        found.append(Path(given))
+    environment = {Path(sys.prefix) / "lib", Path(sysconfig.get_paths()["purelib"]).parents[1]}
+    for folder in sorted(environment):
+        found += _newest_first(_libraries(folder))
+    system = [path for name in _SYSTEM_FOLDERS for path in _libraries(Path(name))]
+    found += _newest_first(system)
+    unique = {path.resolve(): path for path in reversed(found) if path.exists()}
+    return [path for path in found if unique.get(path.resolve()) is path]
+
+
+@cache
+def start() -> Any:
+    """Import Mitsuba with the chosen variant set, say once which and why, and return the module.
+
+    Raises:
+        InputError: ``$LRSR_VARIANT`` cannot be met.
+    """
+    backend = choose_variant()
+    if backend.llvm is not None:
+        os.environ["DRJIT_LIBLLVM_PATH"] = str(backend.llvm)
+    import mitsuba
+
+    mitsuba.set_variant(backend.variant)
+    level = logging.WARNING if backend.variant == "scalar_rgb" else logging.INFO
+    logger.log(level, "rendering with %s: %s", backend.variant, backend.reason)
+    return mitsuba
+
+
+def _libraries(folder: Path) -> Iterator[Path]:
+    """Yield shared LLVM libraries in ``folder``, its llvm-* folders and its multiarch folders."""
+    for pattern in ("libLLVM*", "llvm-*/lib/libLLVM*", "*-linux-gnu/libLLVM*", "llvm*/libLLVM*"):
+        for path in folder.glob(pattern):
+            if re.fullmatch(r"libLLVM(-\d+)?(\.\d+)*\.(so(\.\d+)*|dylib)(\.\d+)?", path.name):
+                yield path
+
+
+def _newest_first(libraries: Iterator[Path] | list[Path]) -> list[Path]:
+    def release(path: Path) -> tuple[int, ...]:
+        numbers = re.findall(r"\d+", f"{path.resolve().parent.parent.name} {path.resolve().name}")
+        return tuple(int(number) for number in numbers)[-3:]
+
+    return sorted(libraries, key=lambda path: (release(path), path.name), reverse=True)
+
+
+def _cuda_driver() -> str | None:
+    """Return the CUDA driver's version without waking the device (a fork must stay possible)."""
+    name = "nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1"
+    try:
+        library = ctypes.CDLL(name)
+    except OSError:
+        return None
+    number = ctypes.c_int()
+    return str(number.value) if library.cuDriverGetVersion(ctypes.byref(number)) == 0 else None
+
+
+def _stamp(library: Path) -> str:
+    try:
+        status = library.resolve().stat()
+    except OSError:
+        return "absent"
+    return f"{library.resolve()} {status.st_mtime_ns} {status.st_size}"
+
+
+def _probe(variant: str, library: Path | None, stamp: str) -> str:
+    """Return why ``variant`` does not work with ``library``; "" if it does. Remembered on disk."""
+    versions = [version("mitsuba"), version("drjit"), _PROBE]
+    key = hashlib.sha256("\n".join([variant, stamp, *versions]).encode()).hexdigest()[:16]
+    record = cache_folder() / "backend" / f"{key}.json"
+    try:
+        return str(json.loads(record.read_text())["fault"])
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    fault = _run_probe(variant, library)
+    try:
+        write_json(record, {"variant": variant, "stamp": stamp, "fault": fault})
+    except InputError as error:
+        logger.debug("the verdict is not kept: %s", error)
+    return fault
+
+
+def _run_probe(variant: str, library: Path | None) -> str:
+    environment = dict(os.environ)
+    if library is not None:
+        environment["DRJIT_LIBLLVM_PATH"] = str(library)
+    try:
+        child = subprocess.run(
+            [sys.executable, "-c", _PROBE, variant],
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=PROBE_SECONDS,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return f"no answer in {PROBE_SECONDS} s"
+    if child.returncode == 0:
+        return ""
+    words = (child.stderr or child.stdout).strip().splitlines()
+    last = words[-1].strip()[:200] if words else ""
+    return f"status {child.returncode}{': ' + last if last else ''}"

@@ -1,0 +1,126 @@
+"""How do rays become pixels? A Gaussian film that gives the same bytes every time.
+
+Every ray is drawn from its pixel's reconstruction filter (filter importance sampling: Ernst, Stamminger
+and Greiner 2006), so that all its weight belongs to that pixel and a pixel is a plain mean. Splatting, as Mitsuba's
+films do, adds up in the order in which threads finish, and its last bits change from run to run.
+
+The filter is a Gaussian with a standard deviation of half a pixel **of the film itself**, cut at two
+pixels. A film twice as fine has a filter twice as narrow: it is another camera's picture of the same
+scene, and its 2 × 2 means are slightly sharper than the ×1 film.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lrsr.rendering.backend import start
+from lrsr.rendering.geometry import Viewpoint
+from lrsr.rendering.scene import Pose
+from lrsr.rendering.stage import world_to_head
+
+FILTER_STDDEV_PX = 0.5
+"""Standard deviation of the reconstruction filter, in pixels of the film itself."""
+
+FILTER_CUT = 4.0
+"""Where the filter ends, in standard deviations."""
+
+MAX_RAYS = 1 << 22
+"""Rays of one launch; more are split into passes."""
+
+
+def expose(
+    scene: Any,
+    integrator: Any,
+    viewpoint: Viewpoint,
+    pose: Pose,
+    *,
+    scale: int,
+    samples: int,
+    seed: int,
+) -> NDArray[np.float32]:
+    """Trace the rays of one film.
+
+    Args:
+        scene: ``mi.Scene`` with the head at rest.
+        integrator: ``mi.SamplingIntegrator``.
+        viewpoint: Camera before the posed head.
+        pose: Turns the camera instead of the head.
+        scale: Film pixels per ×1 pixel.
+        samples: Per pixel of this film.
+        seed: Of the sampler.
+
+    Returns:
+        ``(side, side, 3)`` float32, linear.
+    """
+    mi = start()
+    side = scale * viewpoint.film_px
+    sensor = mi.load_dict(describe_sensor(viewpoint, pose, side))
+    if mi.variant() == "scalar_rgb":
+        picture = mi.render(scene, sensor=sensor, integrator=integrator, spp=samples, seed=seed)
+        return np.array(picture)
+    passes = -(-side * side * samples // MAX_RAYS)
+    per_pass = -(-samples // passes)
+    total = np.zeros((side * side, 3), dtype=np.float64)
+    for number in range(passes):
+        total += _trace(scene, integrator, sensor, side, per_pass, pass_seed(seed, number))
+    return (total / (passes * per_pass)).astype(np.float32).reshape(side, side, 3)
+
+
+def pass_seed(seed: int, number: int) -> int:
+    """Return the 32-bit sampler seed of one pass of one picture."""
+    return int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
+
+
+def describe_sensor(viewpoint: Viewpoint, pose: Pose, side: int) -> dict[str, Any]:
+    """Describe Mitsuba's pinhole for that viewpoint, for ``mi.load_dict``."""
+    mi = start()
+    x, y, z = viewpoint.centre_mm
+    in_world = mi.ScalarTransform4f().look_at(origin=[x, y, z], target=[x, y, z - 1], up=[0, 1, 0])
+    return {
+        "type": "perspective",
+        "fov": viewpoint.view_deg,
+        "near_clip": 1.0,
+        "far_clip": 1e6,
+        "to_world": mi.ScalarTransform4f(world_to_head(pose)) @ in_world,
+        "film": {
+            "type": "hdrfilm",
+            "width": side,
+            "height": side,
+            "component_format": "float32",
+            "rfilter": {"type": "gaussian", "stddev": FILTER_STDDEV_PX},
+        },
+        "sampler": {"type": "independent"},
+    }
+
+
+def _trace(
+    scene: Any, integrator: Any, sensor: Any, side: int, samples: int, seed: int
+) -> NDArray[np.float64]:
+    """Return the sum of ``samples`` rays in each pixel, ``(side², 3)``."""
+    import drjit as dr
+
+    mi = start()
+    rays = side * side * samples
+    sampler = sensor.sampler().clone()
+    sampler.seed(seed, rays)
+    # Opaque, so that one kernel serves every film and every number of samples.
+    pixel = dr.arange(mi.UInt32, rays) // dr.opaque(mi.UInt32, samples)
+    width = dr.opaque(mi.UInt32, side)
+    row = pixel // width
+    corner = mi.Point2f(mi.Float(pixel - row * width), mi.Float(row))
+    cut = float(_erf(FILTER_CUT / np.sqrt(2)))
+    uniform = sampler.next_2d()
+    offset = FILTER_STDDEV_PX * np.sqrt(2) * dr.erfinv((2 * uniform - 1) * cut)
+    position = (corner + 0.5 + offset) / mi.Float(width)
+    ray, _ = sensor.sample_ray_differential(0.0, sampler.next_1d(), position, mi.Point2f(0.5))
+    light, _, _ = integrator.sample(scene, sampler, ray)
+    sums = [dr.block_sum(channel, samples) for channel in (light.x, light.y, light.z)]
+    dr.eval(sums)
+    return np.stack([channel.numpy() for channel in sums], axis=1).astype(np.float64)
+
+
+def _erf(x: float) -> float:
+    import math
+
+    return math.erf(x)

@@ -1,0 +1,215 @@
+"""How large is a face on the sensor of the reference camera, and where does each point fall?
+
+Pure arithmetic, no renderer. World frame: the head frame of a face that looks straight ahead
+(:mod:`lrsr.identities.head`), mm; the camera stands on +z and looks along -z.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Band = Literal["VLR", "MLR", "ULR", "HR"]
+
+FRAME_IPDS = 4
+"""Side of the square frame in interpupillary distances: the face with some hair and neck."""
+
+MIN_FILM_PX = 16
+"""No film of the first scale is smaller: an SRCNN of 9-1-5 eats 12 pixels."""
+
+FRAME_DROP_IPDS = 0.2
+"""How far the frame's centre lies below the pupils, in IPDs, so that crown and chin both fit."""
+
+
+@dataclass(frozen=True)
+class ReferenceCamera:
+    """The Axis P1435-LE of the paper; any other pinhole by other numbers.
+
+    Attributes:
+        width_px: Of the whole sensor.
+        height_px: Of the whole sensor.
+        focal_mm: Focal length, mm.
+        f_number: Focal length over aperture, F/#.
+        pitch_um: Pixel pitch, µm (square pixels).
+        view_deg: Nominal angles of view of the data sheet (horizontal, vertical).
+    """
+
+    width_px: int = 1920
+    height_px: int = 1080
+    focal_mm: float = 3.0
+    f_number: float = 1.4
+    pitch_um: float = 2.65
+    view_deg: tuple[float, float] = (95.0, 51.0)
+
+    def distance_m(self, ipd_px: float, ipd_mm: float) -> float:
+        """Return how far the camera stands for a frontal face of that size: d = f IPD / (px pitch).
+
+        Args:
+            ipd_px: Interpupillary distance on the sensor, px, > 0.
+            ipd_mm: Interpupillary distance of the person, mm, > 0.
+
+        Returns:
+            Camera to pupils, m.
+
+        Raises:
+            ValueError: An argument is not positive.
+
+        Example:
+            >>> round(ReferenceCamera().distance_m(8, 63.0), 1)
+            8.9
+        """
+        if not (ipd_px > 0 and ipd_mm > 0):
+            raise ValueError(f"IPDs must be positive, got {ipd_px} px and {ipd_mm} mm")
+        return self.focal_mm * ipd_mm / (ipd_px * self.pitch_um)
+
+    def airy_radius_um(self, wavelength_nm: float) -> float:
+        r"""Return the radius of the first dark ring of the Airy disk on the sensor.
+
+        q₁ = 1.22 λ / (2A) with the numerical aperture A = 1/√(4N² + 1), as in the paper.
+
+        Args:
+            wavelength_nm: Of the light, nm, > 0.
+
+        Returns:
+            Radius, µm.
+
+        Raises:
+            ValueError: The wavelength is not positive.
+
+        Example:
+            >>> round(ReferenceCamera().airy_radius_um(700), 2)
+            1.27
+        """
+        if not wavelength_nm > 0:
+            raise ValueError(f"the wavelength must be positive, got {wavelength_nm} nm")
+        aperture = 1 / math.sqrt(4 * self.f_number**2 + 1)
+        return 1.22 * wavelength_nm * 1e-3 / (2 * aperture)
+
+
+AXIS_P1435LE = ReferenceCamera()
+"""The reference camera: 1920 × 1080, 3 mm, F/1.4, 95° × 51°, pixels 2.65 µm high."""
+
+
+def distance_m(ipd_px: float, ipd_mm: float) -> float:
+    """Return the distance of a face to :data:`AXIS_P1435LE`; see its method.
+
+    Raises:
+        ValueError: An argument is not positive.
+
+    Example:
+        >>> distance_m(16, 63.0) == distance_m(8, 63.0) / 2
+        True
+    """
+    return AXIS_P1435LE.distance_m(ipd_px, ipd_mm)
+
+
+def film_size_px(ipd_px: float) -> int:
+    """Return the side of the ×1 film: four whole IPDs, at least 16 px, always a multiple of 4.
+
+    Raises:
+        ValueError: The IPD is not positive.
+
+    Example:
+        >>> film_size_px(8), film_size_px(8.3), film_size_px(1)
+        (32, 32, 16)
+    """
+    if not ipd_px > 0:
+        raise ValueError(f"the IPD must be positive, got {ipd_px} px")
+    return max(FRAME_IPDS * round(ipd_px), MIN_FILM_PX)
+
+
+def resolution_band(ipd_px: float) -> Band:
+    """Return the paper's name for that resolution (Fig. 1): very low, medium, upper low, high.
+
+    Raises:
+        ValueError: The IPD is not positive.
+
+    Example:
+        >>> [resolution_band(ipd) for ipd in (12.9, 13, 25, 50)]
+        ['VLR', 'MLR', 'ULR', 'HR']
+    """
+    if not ipd_px > 0:
+        raise ValueError(f"the IPD must be positive, got {ipd_px} px")
+    if ipd_px < 13:
+        return "VLR"
+    if ipd_px < 25:
+        return "MLR"
+    return "ULR" if ipd_px < 50 else "HR"
+
+
+@dataclass(frozen=True)
+class Viewpoint:
+    """A pinhole camera that looks along -z with a square film.
+
+    Attributes:
+        centre_mm: ``(3,)`` the pinhole, world frame, mm.
+        film_px: Side of the ×1 film, px.
+        pixels_per_slope: Focal length in ×1 pixels: px per unit of x/z.
+    """
+
+    centre_mm: NDArray[np.float64]
+    film_px: int
+    pixels_per_slope: float
+
+    @property
+    def view_deg(self) -> float:
+        """Full angle of view across the film, degrees."""
+        return 2 * math.degrees(math.atan(self.film_px / 2 / self.pixels_per_slope))
+
+    def project(self, points_mm: NDArray[np.float64], scale: int = 1) -> NDArray[np.float64]:
+        """Project world points in exact perspective.
+
+        Args:
+            points_mm: ``(N, 3)``, world frame, mm, in front of the camera.
+            scale: The film has ``scale`` times the pixels of the ×1 film.
+
+        Returns:
+            ``(N, 2)`` (x, y), px; 0 is the centre of the top-left pixel.
+        """
+        offset = np.asarray(points_mm, dtype=np.float64) - self.centre_mm
+        slope = offset[:, :2] / -offset[:, 2:]
+        film = self.film_px / 2 + self.pixels_per_slope * slope * (1, -1)
+        return np.asarray(scale * film - 0.5)
+
+
+def place_camera(
+    pupils_mm: NDArray[np.float64],
+    ipd_px: float,
+    *,
+    offset_mm: tuple[float, float] = (0.0, 0.0),
+    camera_m: float | None = None,
+) -> Viewpoint:
+    """Place the camera so that the frontal pupils are exactly ``ipd_px`` apart on the ×1 film.
+
+    The optical axis passes :data:`FRAME_DROP_IPDS` below the point midway between the pupils. The
+    distance follows from the reference camera; or it is given, and the focal length follows.
+
+    Args:
+        pupils_mm: ``(2, 3)``, head frame, mm.
+        ipd_px: Wanted distance of the pupils on the film, px.
+        offset_mm: Shift of camera and frame (right, up), mm: to follow a turned head.
+        camera_m: Distance of the camera from the head frame's origin, m; None: the reference camera's.
+
+    Raises:
+        ValueError: The IPD or the distance is not positive.
+    """
+    ipd_mm = float(np.linalg.norm(pupils_mm[1] - pupils_mm[0]))
+    film_px = film_size_px(ipd_px)
+    if camera_m is not None and not camera_m > 0:
+        raise ValueError(f"the distance must be positive, got {camera_m} m")
+    away_mm = 1000 * (distance_m(ipd_px, ipd_mm) if camera_m is None else camera_m)
+    focal_px = 1000 * AXIS_P1435LE.focal_mm / AXIS_P1435LE.pitch_um
+    height_mm = -FRAME_DROP_IPDS * ipd_mm
+    # Pupils off the plane z = 0, or not level, make the first guess miss by parts in a thousand.
+    for _ in range(8):
+        frontal = Viewpoint(np.array([0.0, height_mm, away_mm]), film_px, focal_px)
+        left, right = frontal.project(pupils_mm)
+        excess = float(np.hypot(*(right - left))) / ipd_px
+        if camera_m is None:
+            away_mm *= excess
+        else:
+            focal_px /= excess
+    centre = np.array([offset_mm[0], height_mm + offset_mm[1], away_mm])
+    return Viewpoint(centre, film_px, focal_px)

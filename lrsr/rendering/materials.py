@@ -1,0 +1,43 @@
+"""How does light meet skin, eyes, hair and lashes? Numbers for Mitsuba's ``principled`` model.
+
+``base_color`` is the part's albedo texture. The specular number s gives the reflectance at normal
+incidence 0.08 s.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from lrsr.errors import InputError
+from lrsr.identities.head import Material
+
+REFLECTIVE: Mapping[Material, Mapping[str, float]] = {
+    # F0 = 0.028 is the index 1.4 of Jensen et al. 2001; Weyrich et al. 2006 measured lobes of width
+    # 0.2 to 0.35 on faces, α = roughness² = 0.25 here.
+    "skin": {"roughness": 0.5, "specular": 0.35},
+    # The tear film: index 1.336, F0 = 0.021, smooth; roughened until its highlight is no firefly.
+    "eye": {"roughness": 0.15, "specular": 0.27, "clearcoat": 0.2, "clearcoat_gloss": 0.9},
+    # Keratin has the index 1.55, F0 = 0.047; strands run along v of the texture (estimated).
+    "hair": {"roughness": 0.45, "specular": 0.5, "anisotropic": 0.5},
+    # Too thin to shine (estimated).
+    "lash": {"roughness": 0.9, "specular": 0.0},
+}
+
+SKINS = {"reflective": REFLECTIVE}
+"""Skin models by name: the materials of a scene."""
+
+
+def skin_materials(skin: str) -> Mapping[Material, Mapping[str, float]]:
+    """Return the materials of a skin model.
+
+    Raises:
+        InputError: There is no skin model of that name.
+    """
+    if skin not in SKINS:
+        raise InputError(f"skin {skin!r} does not exist; choose one of {', '.join(SKINS)}")
+    return SKINS[skin]
+
+
+def bsdf(numbers: Mapping[str, float], base_color: dict[str, Any]) -> dict[str, Any]:
+    """Describe a two-sided principled BSDF for ``mi.load_dict``."""
+    principled = {"type": "principled", "base_color": base_color, **numbers}
+    return {"type": "twosided", "material": principled}

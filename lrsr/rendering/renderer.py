@@ -1,0 +1,130 @@
+"""From a head, a pose and a lighting to the light on the film."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import torch
+
+from lrsr.errors import InputError, NonFiniteError
+from lrsr.identities.head import Head
+from lrsr.rendering.backend import start
+from lrsr.rendering.film import expose
+from lrsr.rendering.geometry import place_camera
+from lrsr.rendering.radiance import Radiance
+from lrsr.rendering.scene import Lighting, Pose, environment, find_lighting, find_pose
+from lrsr.rendering.stage import Stage
+
+RENDERER_VERSION = "1"
+"""Changes whenever the same head would give other pixels."""
+
+MIN_SAMPLES = 16
+"""No pixel has fewer samples, however fine its film."""
+
+
+class Renderer:
+    """Renders heads; keeps its scene and its compiled kernels between calls.
+
+    Args:
+        skin: Model of the skin; "reflective" (``principled`` under ``path``) is the one that exists.
+        max_depth: Longest path, in edges from the camera, >= 2.
+
+    Raises:
+        InputError: There is no such skin model, or the depth is too small.
+    """
+
+    def __init__(self, skin: str = "reflective", *, max_depth: int = 5) -> None:
+        if max_depth < 2:
+            raise InputError(f"max_depth={max_depth} lights nothing; give at least 2")
+        self.skin = skin
+        self.max_depth = max_depth
+        self._stage = Stage(skin)
+        self._integrator: Any = None
+
+    def render(
+        self,
+        head: Head,
+        *,
+        pose: str | Pose = "frontal",
+        lighting: str | Lighting = "frontal",
+        ipd_px: float = 8.0,
+        scale: int = 1,
+        samples_per_pixel: int = 2048,
+        seed: int = 0,
+        camera_m: float | None = None,
+    ) -> Radiance:
+        """Render one picture.
+
+        Args:
+            head: Who.
+            pose: Name or angles.
+            lighting: Name or lights.
+            ipd_px: Interpupillary distance of the frontal face on the ×1 film, px, > 0.
+            scale: The film has ``scale`` times the pixels of the ×1 film, >= 1.
+            samples_per_pixel: Of the ×1 film; a finer one has 1/scale² of them, at least 16.
+            seed: Of the sampler, >= 0.
+            camera_m: Distance of the camera, m; None: where the reference camera must stand.
+
+        Returns:
+            The linear picture with its landmarks.
+
+        Raises:
+            InputError: No such pose or lighting, or a number out of range.
+            NonFiniteError: A pixel is NaN or infinite.
+        """
+        pose, lighting = find_pose(pose), find_lighting(lighting)
+        if not ipd_px > 0 or scale < 1 or samples_per_pixel < 1 or seed < 0:
+            raise InputError(
+                f"ipd_px={ipd_px}, scale={scale}, samples_per_pixel={samples_per_pixel}, seed={seed}:"
+                " give ipd_px > 0, scale >= 1, samples_per_pixel >= 1, seed >= 0"
+            )
+        viewpoint = place_camera(
+            head.pupils, ipd_px, offset_mm=pose.frame_offset_mm(), camera_m=camera_m
+        )
+        image = expose(
+            self._stage.show(head, lighting, pose),
+            self._path(),
+            viewpoint,
+            pose,
+            scale=scale,
+            samples=max(round(samples_per_pixel / scale**2), MIN_SAMPLES),
+            seed=seed,
+        )
+        if not np.isfinite(image).all():
+            raise NonFiniteError(
+                f"head {head.identity_id}, pose {pose.name}, lighting {lighting.name}:"
+                f" {int((~np.isfinite(image)).sum())} values are not finite"
+            )
+        landmarks = viewpoint.project(pose.turn(head.landmarks), scale)
+        return Radiance(
+            image=torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1))),
+            landmarks_px=torch.from_numpy(landmarks.astype(np.float32)),
+            ipd_px=float(ipd_px),
+            scale=scale,
+            metered=environment(lighting)[1],
+            seed=seed,
+            identity_id=head.identity_id,
+            pose=pose.name,
+            lighting=lighting.name,
+        )
+
+    def _path(self) -> Any:
+        if self._integrator is None:
+            self._integrator = start().load_dict({"type": "path", "max_depth": self.max_depth})
+        return self._integrator
+
+
+@cache
+def shared_renderer(skin: str = "reflective") -> Renderer:
+    """Return the process's one renderer of that skin."""
+    return Renderer(skin)
+
+
+def render(head: Head, **settings: Any) -> Radiance:
+    """Render one picture with the shared reflective renderer; see :meth:`Renderer.render`.
+
+    Raises:
+        InputError: No such pose or lighting, or a number out of range.
+        NonFiniteError: A pixel is NaN or infinite.
+    """
+    return shared_renderer().render(head, **settings)

@@ -1,0 +1,178 @@
+"""The live Mitsuba scene: a head at rest in an environment of light, changed in place.
+
+Loading a scene compiles kernels, and other live scenes make every kernel longer, so there is one
+:class:`Stage` per renderer. A head of the same topology replaces the last one's vertices and
+textures; poses turn the light (and the camera) instead of the head.
+"""
+
+import gc
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lrsr.identities.head import Head, Part
+from lrsr.rendering.backend import start
+from lrsr.rendering.materials import bsdf, skin_materials
+from lrsr.rendering.scene import PIVOT_MM, Lighting, Pose, environment
+
+
+class Stage:
+    """One scene that lives on.
+
+    Args:
+        skin: Name of the skin model.
+    """
+
+    def __init__(self, skin: str) -> None:
+        self._materials = skin_materials(skin)
+        self._scene: Any = None
+        self._parameters: Any = None
+        self._topology: tuple[object, ...] = ()
+        self._head: Head | None = None
+        self._lit: tuple[Lighting, Pose] | None = None
+
+    def show(self, head: Head, lighting: Lighting, pose: Pose) -> Any:
+        """Return the ``mi.Scene`` with that head in that light, as seen from the head's frame."""
+        if head is not self._head:
+            if topology(head) == self._topology:
+                self._update_head(head)
+            else:
+                self._load(head, lighting)
+        if self._lit != (lighting, pose):
+            self._update_light(lighting, pose)
+        return self._scene
+
+    def _load(self, head: Head, lighting: Lighting) -> None:
+        mi = start()
+        self._scene = self._parameters = self._head = self._lit = None
+        self._topology = ()
+        gc.collect()  # Dr.Jit compiles virtual calls for everything that is alive
+        light = {"type": "envmap", "bitmap": mi.Bitmap(environment(lighting)[0].copy())}
+        parts = {part.name: self._mesh(part) for part in head.parts}
+        self._scene = mi.load_dict({"type": "scene", "light": light, **parts})
+        self._parameters = mi.traverse(self._scene)
+        self._topology = topology(head)
+        self._head = head
+
+    def _mesh(self, part: Part) -> Any:
+        mi = start()
+        texture = {
+            "type": "bitmap",
+            "bitmap": mi.Bitmap(np.array(part.albedo, dtype=np.float32, order="C")),
+            "raw": True,
+            "wrap_mode": "clamp",
+        }
+        properties = mi.Properties()
+        properties["bsdf"] = mi.load_dict(bsdf(self._materials[part.material], texture))
+        mesh = mi.Mesh(
+            part.name,
+            len(part.vertices),
+            len(part.faces),
+            properties,
+            has_vertex_normals=True,
+            has_vertex_texcoords=True,
+        )
+        values = mi.traverse(mesh)
+        values["faces"] = np.ascontiguousarray(part.faces, dtype=np.uint32).ravel()
+        values["vertex_texcoords"] = mitsuba_uv(part.uv).ravel()
+        values["vertex_positions"] = part.vertices.ravel()
+        values["vertex_normals"] = vertex_normals(part.vertices, part.faces).ravel()
+        values.update()
+        return mesh
+
+    def _update_head(self, head: Head) -> None:
+        mi = start()
+        if self._head is None:
+            raise RuntimeError("no head to update")
+        for new, old in zip(head.parts, self._head.parts, strict=True):
+            if new.vertices is not old.vertices and not np.array_equal(new.vertices, old.vertices):
+                normals = vertex_normals(new.vertices, new.faces)
+                self._parameters[f"{new.name}.vertex_positions"] = new.vertices.ravel()
+                self._parameters[f"{new.name}.vertex_normals"] = normals.ravel()
+            if new.albedo is not old.albedo and not np.array_equal(new.albedo, old.albedo):
+                key = f"{new.name}.bsdf.brdf_0.base_color.data"
+                self._parameters[key] = mi.TensorXf(np.ascontiguousarray(new.albedo))
+        self._parameters.update()
+        self._head = head
+
+    def _update_light(self, lighting: Lighting, pose: Pose) -> None:
+        mi = start()
+        if self._lit is None or self._lit[0] != lighting:
+            painted, _ = environment(lighting)
+            width = self._parameters["light.data"].shape[1]
+            # Mitsuba keeps copies of the map's outer columns at its sides.
+            padded = np.pad(
+                painted, ((0, 0), (1, width - painted.shape[1] - 1), (0, 0)), mode="wrap"
+            )
+            self._parameters["light.data"] = mi.TensorXf(padded)
+        self._parameters["light.to_world"] = opaque_transform(world_to_head(pose))
+        self._parameters.update()
+        self._lit = (lighting, pose)
+
+
+def topology(head: Head) -> tuple[object, ...]:
+    """Return what must stay equal for a head to replace another in place."""
+    return tuple(
+        (
+            part.name,
+            part.material,
+            part.vertices.shape,
+            part.faces.tobytes(),
+            part.uv.tobytes(),
+            part.albedo.shape,
+        )
+        for part in head.parts
+    )
+
+
+def mitsuba_uv(uv: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Turn texture coordinates with v = 0 in the top row into Mitsuba's, with v = 0 in the bottom."""
+    return np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1).astype(np.float32)
+
+
+def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> NDArray[np.float32]:
+    """Average the faces' normals at each vertex, weighted by area.
+
+    Mitsuba would add them up in whatever order its threads run; this order is fixed, so the same
+    head is the same bytes.
+
+    Args:
+        vertices: ``(V, 3)``.
+        faces: ``(F, 3)``, counter-clockwise seen from outside.
+
+    Returns:
+        ``(V, 3)`` float32, unit length; (0, 0, 1) at a vertex without faces.
+    """
+    corners = vertices.astype(np.float64)[faces]
+    crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sums = np.stack(
+        [
+            np.bincount(faces.ravel(), np.repeat(crosses[:, axis], 3), minlength=len(vertices))
+            for axis in range(3)
+        ],
+        axis=1,
+    )
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    sums = np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1), (0.0, 0.0, 1.0))
+    return sums.astype(np.float32)
+
+
+def world_to_head(pose: Pose) -> NDArray[np.float64]:
+    """Return the ``(4, 4)`` matrix that takes the posed world back into the frame of the head."""
+    rotation = pose.rotation().T
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    matrix[:3, 3] = PIVOT_MM - rotation @ PIVOT_MM
+    return matrix
+
+
+def opaque_transform(matrix: NDArray[np.float64]) -> Any:
+    """Turn a ``(4, 4)`` matrix into a transform whose numbers are no literals of a kernel."""
+    mi = start()
+    transform = mi.Transform4f(matrix)
+    if mi.variant() != "scalar_rgb":
+        import drjit
+
+        drjit.make_opaque(transform)
+    return transform
