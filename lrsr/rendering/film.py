@@ -9,6 +9,7 @@ pixels. A film twice as fine has a filter twice as narrow: it is another camera'
 scene, and its 2 × 2 means are slightly sharper than the ×1 film.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -109,18 +110,12 @@ def _trace(
     width = dr.opaque(mi.UInt32, side)
     row = pixel // width
     corner = mi.Point2f(mi.Float(pixel - row * width), mi.Float(row))
-    cut = float(_erf(FILTER_CUT / np.sqrt(2)))
+    cut = math.erf(FILTER_CUT / math.sqrt(2))
     uniform = sampler.next_2d()
-    offset = FILTER_STDDEV_PX * np.sqrt(2) * dr.erfinv((2 * uniform - 1) * cut)
+    offset = FILTER_STDDEV_PX * math.sqrt(2) * dr.erfinv((2 * uniform - 1) * cut)
     position = (corner + 0.5 + offset) / mi.Float(width)
     ray, _ = sensor.sample_ray_differential(0.0, sampler.next_1d(), position, mi.Point2f(0.5))
     light, _, _ = integrator.sample(scene, sampler, ray)
-    sums = [dr.block_sum(channel, samples) for channel in (light.x, light.y, light.z)]
-    dr.eval(sums)
+    dr.eval(light)  # once, not once per channel
+    sums = [dr.block_sum(channel, samples, mode="evaluated") for channel in light]
     return np.stack([channel.numpy() for channel in sums], axis=1).astype(np.float64)
-
-
-def _erf(x: float) -> float:
-    import math
-
-    return math.erf(x)

@@ -30,7 +30,8 @@ class Stage:
         self._parameters: Any = None
         self._topology: tuple[object, ...] = ()
         self._head: Head | None = None
-        self._lit: tuple[Lighting, Pose] | None = None
+        self._lighting: Lighting | None = None
+        self._pose: Pose | None = None
 
     def show(self, head: Head, lighting: Lighting, pose: Pose) -> Any:
         """Return the ``mi.Scene`` with that head in that light, as seen from the head's frame."""
@@ -39,13 +40,13 @@ class Stage:
                 self._update_head(head)
             else:
                 self._load(head, lighting)
-        if self._lit != (lighting, pose):
+        if lighting != self._lighting or pose != self._pose:
             self._update_light(lighting, pose)
         return self._scene
 
     def _load(self, head: Head, lighting: Lighting) -> None:
         mi = start()
-        self._scene = self._parameters = self._head = self._lit = None
+        self._scene = self._parameters = self._head = self._lighting = self._pose = None
         self._topology = ()
         gc.collect()  # Dr.Jit compiles virtual calls for everything that is alive
         light = {"type": "envmap", "bitmap": mi.Bitmap(environment(lighting)[0].copy())}
@@ -53,7 +54,7 @@ class Stage:
         self._scene = mi.load_dict({"type": "scene", "light": light, **parts})
         self._parameters = mi.traverse(self._scene)
         self._topology = topology(head)
-        self._head = head
+        self._head, self._lighting = head, lighting
 
     def _mesh(self, part: Part) -> Any:
         mi = start()
@@ -95,20 +96,21 @@ class Stage:
                 self._parameters[key] = mi.TensorXf(np.ascontiguousarray(new.albedo))
         self._parameters.update()
         self._head = head
+        # Mitsuba hands the light the bounding sphere of the head before; a second update, of the
+        # light alone, hands it this one's. Else the last bits would depend on who came before.
+        self._pose = None
 
     def _update_light(self, lighting: Lighting, pose: Pose) -> None:
         mi = start()
-        if self._lit is None or self._lit[0] != lighting:
+        if lighting != self._lighting:
             painted, _ = environment(lighting)
             width = self._parameters["light.data"].shape[1]
             # Mitsuba keeps copies of the map's outer columns at its sides.
-            padded = np.pad(
-                painted, ((0, 0), (1, width - painted.shape[1] - 1), (0, 0)), mode="wrap"
-            )
+            padded = np.pad(painted, ((0, 0), (1, width - painted.shape[1] - 1), (0, 0)), mode="wrap")
             self._parameters["light.data"] = mi.TensorXf(padded)
         self._parameters["light.to_world"] = opaque_transform(world_to_head(pose))
         self._parameters.update()
-        self._lit = (lighting, pose)
+        self._lighting, self._pose = lighting, pose
 
 
 def topology(head: Head) -> tuple[object, ...]:
