@@ -159,7 +159,7 @@ LIGHTINGS = {
 """The paper's four lightings; it prints no positions, so these are estimated from its Fig. 6."""
 
 
-def find_pose(pose: str | Pose, **changes: Any) -> Pose:
+def find_pose(name: str | Pose, **changes: Any) -> Pose:
     """Return a pose by its name, or the pose itself; ``changes`` replace angles.
 
     Raises:
@@ -169,25 +169,24 @@ def find_pose(pose: str | Pose, **changes: Any) -> Pose:
         >>> find_pose("left").yaw_deg
         30.0
     """
-    if isinstance(pose, str):
-        if pose not in POSES:
-            raise InputError(f"pose {pose!r} does not exist; choose one of {', '.join(POSES)}")
-        pose = POSES[pose]
-    return replace(pose, **changes)
+    if isinstance(name, Pose):
+        return replace(name, **changes)
+    if name not in POSES:
+        raise InputError(f"pose {name!r} does not exist; choose one of {', '.join(POSES)}")
+    return replace(POSES[name], **changes)
 
 
-def find_lighting(lighting: str | Lighting, **changes: Any) -> Lighting:
+def find_lighting(name: str | Lighting, **changes: Any) -> Lighting:
     """Return a lighting by its name, or the lighting itself; ``changes`` replace fields.
 
     Raises:
         InputError: There is no lighting of that name.
     """
-    if isinstance(lighting, str):
-        if lighting not in LIGHTINGS:
-            known = ", ".join(LIGHTINGS)
-            raise InputError(f"lighting {lighting!r} does not exist; choose one of {known}")
-        lighting = LIGHTINGS[lighting]
-    return replace(lighting, **changes)
+    if isinstance(name, Lighting):
+        return replace(name, **changes)
+    if name not in LIGHTINGS:
+        raise InputError(f"lighting {name!r} does not exist; choose one of {', '.join(LIGHTINGS)}")
+    return replace(LIGHTINGS[name], **changes)
 
 
 def lambert_phase(angle_rad: NDArray[np.float64]) -> NDArray[np.float64]:
