@@ -1,0 +1,208 @@
+"""Which person does a seed stand for? A head of the CC0 shape space, with skin, eyes and hair.
+
+``sample_head(seed)`` is the whole recipe: plain numbers are drawn once (:func:`sample_parameters`),
+shape, skin, brows, beard, eyes and hair are made from them, so they agree with each other. Every
+trait has a random stream of its own, so a change to one of them leaves the others as they were.
+All people are adults.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from lrsr.identities.basis import BaseHead, Basis, Surface, load_basis
+from lrsr.identities.eyes import (
+    Eyes,
+    LashMesh,
+    Lids,
+    clear_lids,
+    eyeball_vertices,
+    find_eyes,
+    find_lids,
+    make_lashes,
+    unit_ball,
+)
+from lrsr.identities.head import Head, Part
+from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
+from lrsr.identities.shape import RACES, coefficients, sample_anatomy
+
+RECIPE_VERSION = "1"
+"""Changes whenever the same seed would give other pixels."""
+
+STREAMS = ("person", "anatomy", "appearance", "skin", "hair", "eyes")
+"""One independent source of chance for each; append, never reorder."""
+
+EYE_TEXTURE = 256
+
+
+def stream(seed: int, name: str) -> Generator:
+    """Return the random generator of one trait of one person.
+
+    Args:
+        seed: The person, >= 0.
+        name: One of :data:`STREAMS`.
+
+    Raises:
+        ValueError: The seed is negative or the name unknown.
+    """
+    if seed < 0:
+        raise ValueError(f"seed must be >= 0, got {seed}")
+    return np.random.default_rng([seed, STREAMS.index(name)])
+
+
+def sample_parameters(seed: int) -> dict[str, Any]:
+    """Draw everything about a person, as plain numbers and names.
+
+    Args:
+        seed: >= 0.
+
+    Returns:
+        JSON-serialisable: ``sex``, ``masculinity`` (0..1), ``age`` (0..1), ``age_years`` (25..75),
+        ``ancestry`` (shares of :data:`lrsr.identities.shape.RACES`), ``anatomy`` (see
+        :class:`lrsr.identities.shape.Anatomy`), and what skin, eyes and hair need.
+
+    Raises:
+        ValueError: The seed is negative.
+    """
+    rng = stream(seed, "person")
+    masculinity = float(np.clip(rng.beta(0.35, 0.35), 0.04, 0.96))
+    age = float(rng.beta(1.1, 1.5))
+    shares = rng.dirichlet([0.45] * len(RACES))
+    return {
+        "seed": seed,
+        "recipe": RECIPE_VERSION,
+        "sex": "male" if masculinity >= 0.5 else "female",
+        "masculinity": masculinity,
+        "age": age,
+        "age_years": 25.0 + 50.0 * age,
+        "ancestry": {race: float(share) for race, share in zip(RACES, shares, strict=True)},
+        "anatomy": sample_anatomy(
+            load_basis().names, stream(seed, "anatomy"), masculinity=masculinity, age=age
+        ),
+    }
+
+
+@dataclass(frozen=True)
+class Template:
+    """The average adult, in head frame: features are drawn on it, whoever will wear them.
+
+    Attributes:
+        skin: ``(V, 3)`` render vertices, mm.
+        eyes: Its eyes.
+        lids: Its skin around the eyes.
+        lashes: How lashes hang on the lash strips.
+    """
+
+    skin: NDArray[np.float64]
+    eyes: Eyes
+    lids: Lids
+    lashes: LashMesh
+
+
+def _head_frame(eyes: Eyes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return rotation and origin that put the pupils on the x axis, their middle at the origin."""
+    left, right = eyes.pupils
+    x = (right - left) / np.linalg.norm(right - left)
+    z = np.array([0.0, 0.0, 1.0])
+    z = z - (z @ x) * x
+    z /= np.linalg.norm(z)
+    return np.stack([x, np.cross(z, x), z]), (left + right) / 2
+
+
+def _in_head_frame(basis: Basis, weights: NDArray[np.float64]) -> tuple[BaseHead, Eyes]:
+    """Shape a coarse head and move it into its head frame."""
+    shaped = basis.shape(weights)
+    eyes = find_eyes(basis, shaped)
+    rotation, origin = _head_frame(eyes)
+    moved = BaseHead(*((part - origin) @ rotation.T for part in shaped))
+    return moved, eyes.moved(rotation, origin)
+
+
+@lru_cache(maxsize=1)
+def template() -> Template:
+    """Return the average adult; later calls are free."""
+    basis = load_basis()
+    head, eyes = _in_head_frame(basis, basis.neutral)
+    skin = basis.surface.matrix @ head.skin
+    return Template(skin, eyes, find_lids(skin, eyes), make_lashes(basis, head, eyes))
+
+
+@lru_cache(maxsize=4)
+def position_map(texture_size: int) -> PositionMap:
+    """Tell which point of the template each texel of the skin shows; later calls are free.
+
+    Args:
+        texture_size: Rows and columns of the skin's texture, >= 64.
+
+    Raises:
+        ValueError: The texture is smaller than 64.
+    """
+    if texture_size < 64:
+        raise ValueError(f"texture_size must be >= 64, got {texture_size}")
+    surface = load_basis().surface
+    drawn, mask = draw_triangles(surface.uv, surface.faces, template().skin, texture_size)
+    return PositionMap(fill_outside(drawn, mask).astype(np.float32), mask)
+
+
+def _make_landmarks(surface: Surface, skin: NDArray[np.float64], eyes: Eyes) -> NDArray[np.float64]:
+    return np.concatenate([eyes.pupils, skin[surface.landmarks]])
+
+
+def sample_head(seed: int, *, texture_size: int = 512) -> Head:
+    """Make the person of a seed.
+
+    Args:
+        seed: >= 0; see :func:`lrsr.identities.splits.identity_seed`.
+        texture_size: Rows and columns of the skin's texture, >= 64.
+
+    Returns:
+        The head; the same arguments give the same bytes. Names, faces, uv and texture sizes of the
+        parts are the same for all seeds.
+
+    Raises:
+        ValueError: The seed is negative or the texture smaller than 64.
+    """
+    basis, parameters = load_basis(), sample_parameters(seed)
+    average = template()
+    weights = coefficients(
+        basis.names,
+        parameters["anatomy"],
+        masculinity=parameters["masculinity"],
+        age=parameters["age"],
+        ancestry=parameters["ancestry"],
+    )
+    coarse, eyes = _in_head_frame(basis, weights)
+    surface = basis.surface
+    skin = clear_lids(surface.matrix @ coarse.skin, eyes, average.lids)
+    position_map(texture_size)
+    albedo = np.full((texture_size, texture_size, 3), (0.45, 0.28, 0.21), np.float32)
+    parts = [Part("skin", "skin", skin.astype(np.float32), surface.faces, surface.uv, albedo)]
+    ball = unit_ball()
+    iris = np.full((EYE_TEXTURE, EYE_TEXTURE, 3), 0.6, np.float32)
+    r = np.hypot(*np.meshgrid(*[np.linspace(-1, 1, EYE_TEXTURE)] * 2)) * np.pi / 2
+    iris[r < 0.4] = (0.1, 0.06, 0.03)
+    iris[r < 0.15] = 0.004
+    for which, name in enumerate(("left_eye", "right_eye")):
+        parts.append(Part(name, "eye", eyeball_vertices(eyes, which), ball.faces, ball.uv, iris))
+    lashes = average.lashes
+    parts.append(
+        Part(
+            "lashes",
+            "lash",
+            lashes.place(coarse.lashes),
+            lashes.faces,
+            np.full((lashes.faces.size, 2), 0.5, np.float32),
+            np.full((4, 4, 3), 0.02, np.float32),
+        )
+    )
+    return Head(
+        identity_id=f"seed-{seed:08d}",
+        parts=tuple(parts),
+        pupils=eyes.pupils,
+        landmarks=_make_landmarks(surface, skin, eyes),
+        parameters=parameters,
+    )

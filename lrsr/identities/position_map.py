@@ -1,0 +1,73 @@
+"""Which point of the template does a texel show? Triangles drawn into the texture layout."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+
+class PositionMap(NamedTuple):
+    """The template's skin, seen from the texture.
+
+    Attributes:
+        points: ``(H, W, 3)`` float32, mm, the template's head frame. Texels that no triangle covers
+            hold the point of the nearest one that is, so that nothing bleeds in over the seams.
+        mask: ``(H, W)`` bool, True where a triangle covers the centre of the texel.
+    """
+
+    points: NDArray[np.float32]
+    mask: NDArray[np.bool_]
+
+
+def _twice_area(
+    p: NDArray[np.float64], q: NDArray[np.float64], r: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    return (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
+
+
+def draw_triangles(
+    uv: NDArray[np.floating], faces: NDArray[np.integer], values: NDArray[np.floating], size: int
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Interpolate values over triangles at the centres of a square of texels.
+
+    Args:
+        uv: ``(V, 2)``, [0, 1]; texel (row 0, column 0) has its centre at (0.5 / size, 0.5 / size).
+        faces: ``(F, 3)``; where two overlap, the later one wins.
+        values: ``(V, C)``.
+        size: Rows and columns, > 0.
+
+    Returns:
+        ``(size, size, C)``, zero where nothing is, and the covered texels ``(size, size)``.
+    """
+    corners = uv[faces].astype(np.float64) * size - 0.5
+    low = np.clip(np.ceil(corners.min(axis=1) - 1e-9).astype(int), 0, size)
+    high = np.clip(np.floor(corners.max(axis=1) + 1e-9).astype(int) + 1, 0, size)
+    width, height = np.maximum(high - low, 0).T
+    count = width * height
+    triangle = np.repeat(np.arange(len(faces)), count)
+    step = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    row = low[triangle, 1] + step // np.maximum(width[triangle], 1)
+    column = low[triangle, 0] + step % np.maximum(width[triangle], 1)
+    a, b, c = (corners[triangle, k] for k in range(3))
+    point = np.stack([column, row], axis=1).astype(np.float64)
+
+    total = _twice_area(a, b, c)
+    total = np.where(total == 0.0, np.nan, total)
+    weights = np.stack([_twice_area(b, c, point), _twice_area(c, a, point)], axis=1) / total[:, None]
+    weights = np.concatenate([weights, 1.0 - weights.sum(axis=1, keepdims=True)], axis=1)
+    inside = (weights >= -1e-9).all(axis=1)
+    triangle, weights = triangle[inside], weights[inside]
+    drawn = np.zeros((size, size, values.shape[1]))
+    mask = np.zeros((size, size), dtype=bool)
+    drawn[row[inside], column[inside]] = np.einsum("nk,nkc->nc", weights, values[faces[triangle]])
+    mask[row[inside], column[inside]] = True
+    return drawn, mask
+
+
+def fill_outside(
+    values: NDArray[np.float64], mask: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Give every texel beyond the mask the value of the nearest texel within: ``(H, W, C)``."""
+    nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
+    return values[tuple(nearest)]
