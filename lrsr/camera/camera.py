@@ -70,6 +70,14 @@ class Camera(nn.Module):
             return srgb
         return (jpeg_differentiable if trained_through else jpeg)(srgb, self.quality)
 
+    def compressing(self, compression: str) -> "Camera":
+        """Return the same camera with another compression.
+
+        Raises:
+            InputError: Unknown compression.
+        """
+        return Camera(compression, self.exposure_ev, self.codec, self.name)
+
     def extra_repr(self) -> str:
         """Show the settings when the module is printed."""
         return (

@@ -1,0 +1,141 @@
+"""Where is a rendering kept, so that it is made once and a damaged one is noticed?
+
+What is kept is the light before the camera: another exposure or compression renders nothing anew.
+An entry is one file, ``<first 2 digits of its key>/<key>.safetensors``. It is written beside and
+renamed (:mod:`lrsr.files`), so it is there whole or not at all, whoever else writes the same one.
+It carries a SHA-256 of its content; one that does not match is reported, and made again.
+"""
+
+import hashlib
+import json
+import logging
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors import SafetensorError
+from safetensors.torch import load, save
+
+from lrsr.errors import InputError
+from lrsr.files import sweep, write_bytes
+from lrsr.images import check_images
+from lrsr.rendering.radiance import Radiance
+
+FORMAT = 1
+"""Part of every key: a change of the entries' layout leaves the old ones unread."""
+
+_TENSORS = ("image", "landmarks_px")
+
+logger = logging.getLogger(__name__)
+
+
+class RenderCache:
+    """A folder of renderings, found by what made them. Safe for any number of processes at once.
+
+    Args:
+        folder: Made when the first entry is written.
+
+    Raises:
+        InputError: ``folder`` is a file.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = Path(folder)
+        if self.folder.exists() and not self.folder.is_dir():
+            raise InputError(f"cache folder {self.folder} is a file: choose another folder")
+        self._reported: set[str] = set()
+
+    @staticmethod
+    def key(recipe: Mapping[str, Any]) -> str:
+        """Return the SHA-256 (64 hex digits) of the canonical JSON of plain values.
+
+        Raises:
+            TypeError: A value is no plain number, string, list or mapping.
+            ValueError: A value is a NaN or an infinity.
+
+        Example:
+            >>> RenderCache.key({"a": 1, "b": 2.0}) == RenderCache.key({"b": 2.0, "a": 1})
+            True
+        """
+        return hashlib.sha256(_canonical({"format": FORMAT, **recipe})).hexdigest()
+
+    def path(self, key: str) -> Path:
+        """Return where the entry of that key is, or would be."""
+        return self.folder / key[:2] / f"{key}.safetensors"
+
+    def get(self, key: str) -> Radiance | None:
+        """Return what is kept under ``key``; None if nothing is, or if it is damaged (logged once).
+
+        Raises:
+            InputError: The file is there but cannot be read.
+        """
+        path = self.path(key)
+        try:
+            content = path.read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise InputError(
+                f"cannot read {path}: {error.strerror or error}; mend its rights or remove it"
+            ) from error
+        try:
+            return _unpack(content)
+        except (SafetensorError, ValueError, KeyError, TypeError) as error:
+            if key not in self._reported:
+                self._reported.add(key)
+                logger.warning("damaged cache entry %s (%s): it is made again", path, error)
+            return None
+
+    def put(self, key: str, radiance: Radiance) -> None:
+        """Keep ``radiance`` under ``key``, replacing what is there.
+
+        Raises:
+            InputError: The folder cannot be written or the disk is full; nothing is left behind.
+            ImageContractError: The image breaks the contract.
+            NonFiniteError: The image holds a NaN or an infinity: it would stay for ever.
+        """
+        check_images(radiance.image[None], name=f"rendering of {radiance.identity_id}")
+        write_bytes(self.path(key), _pack(radiance))
+
+    def sweep(self) -> int:
+        """Remove the unfinished files of killed writers; return how many there were."""
+        return sum(sweep(shard) for shard in self.folder.glob("[0-9a-f][0-9a-f]"))
+
+
+def _pack(radiance: Radiance) -> bytes:
+    tensors = {
+        name: getattr(radiance, name).detach().cpu().to(torch.float32).contiguous()
+        for name in _TENSORS
+    }
+    plain = {
+        field.name: getattr(radiance, field.name)
+        for field in fields(radiance)
+        if field.name not in _TENSORS
+    }
+    text = _canonical(plain).decode()
+    content: bytes = save(tensors, {"radiance": text, "sha256": _digest(tensors, text)})
+    return content
+
+
+def _unpack(content: bytes) -> Radiance:
+    tensors = load(content)
+    length = int.from_bytes(content[:8], "little")
+    notes = json.loads(content[8 : 8 + length])["__metadata__"]
+    text = notes["radiance"]
+    if set(tensors) != set(_TENSORS) or notes["sha256"] != _digest(tensors, text):
+        raise ValueError("its checksum does not match")
+    return Radiance(**tensors, **json.loads(text))
+
+
+def _digest(tensors: Mapping[str, torch.Tensor], text: str) -> str:
+    digest = hashlib.sha256(text.encode())
+    for name in _TENSORS:
+        digest.update(f"{name}{tensors[name].dtype}{tuple(tensors[name].shape)}".encode())
+        digest.update(tensors[name].numpy().tobytes())
+    return digest.hexdigest()
+
+
+def _canonical(values: Mapping[str, Any]) -> bytes:
+    return json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()

@@ -1,0 +1,79 @@
+"""Who turns a recipe into light? A maker; the real one is Mitsuba, tests bring a quick one."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING, Protocol
+
+from lrsr.data.recipe import ProbeRecipe
+
+if TYPE_CHECKING:
+    from lrsr.identities.head import Head
+    from lrsr.rendering.radiance import Radiance
+    from lrsr.rendering.renderer import Renderer
+
+
+class Maker(Protocol):
+    """Builds heads and renders them; what it makes depends on the recipe and its versions alone."""
+
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Versions of everything that changes pixels; part of every key of the cache."""
+
+    def head(self, recipe: ProbeRecipe) -> "Head":
+        """Build the person of ``recipe``; called in a thread of its own."""
+
+    def render(self, head: "Head", recipe: ProbeRecipe) -> "Radiance":
+        """Render ``head`` as ``recipe`` says; called in the main thread."""
+
+
+class MitsubaMaker:
+    """The procedural heads of :mod:`lrsr.identities`, rendered by :mod:`lrsr.rendering`."""
+
+    def __init__(self) -> None:
+        self._renderers: dict[tuple[str, int], Renderer] = {}
+
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Versions of the identities, of the renderer and of Mitsuba's variant."""
+        from lrsr.identities.morphable import RECIPE_VERSION
+        from lrsr.rendering.backend import choose_variant
+        from lrsr.rendering.renderer import RENDERER_VERSION
+
+        return {
+            "identities": RECIPE_VERSION,
+            "renderer": RENDERER_VERSION,
+            "variant": choose_variant().variant,
+        }
+
+    def head(self, recipe: ProbeRecipe) -> "Head":
+        """Build the person of ``recipe``, under the name that the split gives."""
+        from lrsr.identities.morphable import sample_head
+        from lrsr.identities.splits import identity_seed
+
+        seed = identity_seed(recipe.split, recipe.index)
+        head: Head = sample_head(seed, texture_size=recipe.texture_size)
+        return replace(head, identity_id=recipe.identity_id)
+
+    def render(self, head: "Head", recipe: ProbeRecipe) -> "Radiance":
+        """Render with the one renderer of that skin model, whose scene is updated in place."""
+        from lrsr.rendering.renderer import Renderer
+
+        model = (recipe.skin, recipe.max_depth)
+        if model not in self._renderers:
+            self._renderers[model] = Renderer(skin=recipe.skin, max_depth=recipe.max_depth)
+        return self._renderers[model].render(
+            head,
+            pose=recipe.pose,
+            lighting=recipe.lighting,
+            ipd_px=recipe.ipd_px,
+            scale=recipe.scale,
+            samples_per_pixel=recipe.samples_per_pixel,
+            seed=recipe.seed,
+        )
+
+
+@cache
+def mitsuba_maker() -> MitsubaMaker:
+    """Return the one maker of this process: its scenes and kernels are used again."""
+    return MitsubaMaker()

@@ -1,0 +1,227 @@
+"""Where do the pictures of an experiment come from? The cache, and the renderer for the rest."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import torch
+from tqdm import tqdm
+
+from lrsr.camera import Camera
+from lrsr.data.cache import RenderCache
+from lrsr.data.maker import Maker, mitsuba_maker
+from lrsr.data.recipe import ProbeRecipe
+from lrsr.errors import InputError
+from lrsr.rendering.radiance import Radiance
+
+if TYPE_CHECKING:
+    from lrsr.identities.head import Head
+
+__all__ = [
+    "Probe",
+    "ProbeRecipe",
+    "load_probes",
+    "load_radiances",
+    "photograph",
+    "render_missing",
+    "stack",
+]
+
+_CHUNK = 64
+"""Renderings held in memory at once on their way through the camera."""
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One picture that a camera has taken, and what is known of it.
+
+    Attributes:
+        image: ``(3, H, W)`` float32, srgb, [0, 1], multiples of 1/255.
+        landmarks_px: ``(5, 2)`` float32, (x, y) in pixels of ``image``, the order of
+            :data:`lrsr.identities.head.LANDMARK_NAMES`.
+        ipd_px: Interpupillary distance of the frontal face on the ×1 film, px.
+        scale: How many times finer than the ×1 film.
+        identity_id: Who it is.
+        pose: Name.
+        lighting: Name.
+        compression: Name.
+        camera: Name of the preset.
+        seed: Of the sampler.
+        kind: "probe" or "gallery".
+    """
+
+    image: torch.Tensor
+    landmarks_px: torch.Tensor
+    ipd_px: float
+    scale: int
+    identity_id: str
+    pose: str
+    lighting: str
+    compression: str
+    camera: str
+    seed: int
+    kind: str
+
+
+def render_missing(
+    recipes: Iterable[ProbeRecipe],
+    cache: RenderCache,
+    *,
+    progress: bool = True,
+    maker: Maker | None = None,
+) -> int:
+    """Render what ``cache`` lacks (or holds damaged) and keep it there, one picture at a time.
+
+    Each head is built once, in a second thread while the one before is being rendered. Stopped at
+    any moment (Ctrl-C, kill -9), the next call goes on after the last finished picture.
+
+    Args:
+        recipes: In any order; doubles are made once.
+        cache: Receives every picture as soon as it is done.
+        progress: Show a bar with an estimate of the time left, on stderr.
+        maker: Builds and renders; Mitsuba when None.
+
+    Returns:
+        How many pictures were rendered.
+
+    Raises:
+        InputError: The cache cannot be written or the disk is full.
+    """
+    maker = maker or mitsuba_maker()
+    cache.sweep()
+    versions = maker.versions
+    keyed = {cache.key(recipe.plain(versions)): recipe for recipe in recipes}
+    missing = {key: recipe for key, recipe in keyed.items() if cache.get(key) is None}
+    if not missing:
+        return 0
+    people: dict[tuple[object, ...], list[str]] = {}
+    for key, recipe in missing.items():
+        people.setdefault((recipe.split, recipe.index, recipe.texture_size), []).append(key)
+    firsts = [missing[keys[0]] for keys in people.values()]
+    with tqdm(total=len(missing), desc="rendering", unit="image", disable=not progress) as bar:
+        for head, keys in zip(_heads(maker, firsts), people.values(), strict=True):
+            for key in keys:
+                cache.put(key, maker.render(head, missing[key]))
+                bar.update()
+    return len(missing)
+
+
+def _heads(maker: Maker, recipes: Sequence[ProbeRecipe]) -> Iterator["Head"]:
+    """Build one head ahead of the one that is being rendered."""
+    builder = ThreadPoolExecutor(max_workers=1, thread_name_prefix="lrsr-head")
+    try:
+        coming = builder.submit(maker.head, recipes[0])
+        for following in [*recipes[1:], None]:
+            head = coming.result()
+            if following is not None:
+                coming = builder.submit(maker.head, following)
+            yield head
+    finally:
+        builder.shutdown(wait=False, cancel_futures=True)
+
+
+def load_radiances(
+    recipes: Sequence[ProbeRecipe],
+    cache: RenderCache,
+    *,
+    progress: bool = True,
+    maker: Maker | None = None,
+) -> list[Radiance]:
+    """Return the light of each recipe, in their order; what is not rendered yet is rendered.
+
+    Args:
+        recipes: Sizes may differ; all are held in memory at once.
+        cache: Where renderings are kept.
+        progress: Show a bar while rendering.
+        maker: Renders what is missing; Mitsuba when None.
+
+    Raises:
+        InputError: The cache cannot be read or written, or loses what is written to it.
+    """
+    maker = maker or mitsuba_maker()
+    keys = [cache.key(recipe.plain(maker.versions)) for recipe in recipes]
+    radiances = [cache.get(key) for key in keys]
+    if any(radiance is None for radiance in radiances):
+        render_missing(recipes, cache, progress=progress, maker=maker)
+        radiances = [cache.get(key) for key in keys]
+    found = [radiance for radiance in radiances if radiance is not None]
+    if len(found) < len(recipes):
+        raise InputError(f"cache folder {cache.folder} loses what is written to it: choose another")
+    return found
+
+
+def load_probes(
+    recipes: Sequence[ProbeRecipe],
+    cache: RenderCache,
+    camera: Camera,
+    *,
+    progress: bool = True,
+    maker: Maker | None = None,
+) -> list[Probe]:
+    """Take one picture for each recipe, in their order; what is not rendered yet is rendered.
+
+    Args:
+        recipes: What to show; sizes may differ.
+        cache: Where renderings are kept.
+        camera: Takes the pictures; not trained through (no gradient).
+        progress: Show a bar while rendering.
+        maker: Renders what is missing; Mitsuba when None.
+
+    Raises:
+        InputError: The cache cannot be read or written, or loses what is written to it.
+    """
+    probes: list[Probe] = []
+    for start in range(0, len(recipes), _CHUNK):
+        chunk = recipes[start : start + _CHUNK]
+        radiances = load_radiances(chunk, cache, progress=progress, maker=maker)
+        probes += photograph(radiances, camera, [recipe.kind for recipe in chunk])
+    return probes
+
+
+def photograph(radiances: Sequence[Radiance], camera: Camera, kinds: Sequence[str]) -> list[Probe]:
+    """Send light through the camera, images of one size together; there is no gradient.
+
+    Args:
+        radiances: Of any sizes.
+        camera: Takes the pictures.
+        kinds: "probe" or "gallery", one for each.
+    """
+    sizes: dict[torch.Size, list[int]] = {}
+    for i, radiance in enumerate(radiances):
+        sizes.setdefault(radiance.image.shape, []).append(i)
+    images: dict[int, torch.Tensor] = {}
+    for members in sizes.values():
+        linear = torch.stack([radiances[i].image for i in members])
+        metered = torch.tensor([radiances[i].metered for i in members])
+        with torch.no_grad():
+            images |= dict(zip(members, camera(linear, metered), strict=True))
+    return [
+        Probe(
+            image=images[i].clone(),
+            landmarks_px=radiance.landmarks_px,
+            ipd_px=radiance.ipd_px,
+            scale=radiance.scale,
+            identity_id=radiance.identity_id,
+            pose=radiance.pose,
+            lighting=radiance.lighting,
+            compression=camera.compression,
+            camera=camera.name,
+            seed=radiance.seed,
+            kind=kind,
+        )
+        for i, (radiance, kind) in enumerate(zip(radiances, kinds, strict=True))
+    ]
+
+
+def stack(probes: Sequence[Probe]) -> tuple[torch.Tensor, torch.Tensor]:
+    """Return the images ``(B, 3, H, W)`` and landmarks ``(B, 5, 2)`` of probes of one size.
+
+    Raises:
+        InputError: The sizes differ, or there are none.
+    """
+    sizes = sorted({tuple(probe.image.shape[1:]) for probe in probes})
+    if len(sizes) != 1:
+        raise InputError(f"probes of sizes {sizes} make no batch: wanted one size")
+    images = torch.stack([probe.image for probe in probes])
+    return images, torch.stack([probe.landmarks_px for probe in probes])

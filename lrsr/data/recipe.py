@@ -1,0 +1,111 @@
+"""What is to be rendered? Everything that changes the light on the film, in plain values."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, is_dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from lrsr.errors import InputError
+
+if TYPE_CHECKING:
+    from lrsr.rendering.scene import Lighting, Pose
+
+Split = Literal["train", "validation", "test"]
+Kind = Literal["probe", "gallery"]
+SPLITS = ("train", "validation", "test")
+KINDS = ("probe", "gallery")
+SCALES = (1, 2, 4)
+
+
+@dataclass(frozen=True)
+class ProbeRecipe:
+    """One picture to be rendered, before the camera; equal recipes give equal pixels.
+
+    Attributes:
+        split: Which people; the three splits have nobody in common.
+        index: Number of the person within the split, >= 0.
+        kind: What the picture is for. It does not change the scene.
+        pose: Name of a pose, or one with any angles.
+        lighting: Name of a lighting, or one with any lights.
+        ipd_px: Interpupillary distance of the frontal face on the ×1 film, px, > 0.
+        scale: How many times finer than the ×1 film: 1, 2 or 4.
+        samples_per_pixel: Of the ×1 film; a finer film spreads the same rays over more pixels.
+        seed: Of the sampler, 0 to 2**32 - 1; :func:`derived_seed` makes one for each picture.
+        texture_size: Of the head's albedo, px.
+        skin: Skin model of the renderer.
+        max_depth: Longest light path.
+
+    Raises:
+        InputError: A value is out of its range.
+    """
+
+    split: Split
+    index: int
+    kind: Kind = "probe"
+    pose: "str | Pose" = "frontal"
+    lighting: "str | Lighting" = "frontal"
+    ipd_px: float = 8.0
+    scale: int = 1
+    samples_per_pixel: int = 2048
+    seed: int = 0
+    texture_size: int = 512
+    skin: str = "reflective"
+    max_depth: int = 5
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ipd_px", float(self.ipd_px))  # 8 and 8.0 are one picture
+        wanted = {
+            "split": (self.split in SPLITS, f"one of {', '.join(SPLITS)}"),
+            "kind": (self.kind in KINDS, f"one of {', '.join(KINDS)}"),
+            "scale": (self.scale in SCALES, f"one of {SCALES}"),
+            "index": (self.index >= 0, "a number >= 0"),
+            "ipd_px": (0 < self.ipd_px < 2000, "a number of pixels > 0 and < 2000"),
+            "samples_per_pixel": (self.samples_per_pixel >= 1, "a number >= 1"),
+            "seed": (0 <= self.seed < 2**32, "0 to 4294967295"),
+            "texture_size": (self.texture_size >= 8, "a number >= 8"),
+            "max_depth": (self.max_depth >= 1, "a number >= 1"),
+        }
+        for name, (holds, wish) in wanted.items():
+            if not holds:
+                raise InputError(f"{name}={getattr(self, name)}: wanted {wish}")
+
+    @property
+    def identity_id(self) -> str:
+        """Stable name of the person.
+
+        Example:
+            >>> ProbeRecipe("test", 7).identity_id
+            'test-00007'
+        """
+        return f"{self.split}-{self.index:05d}"
+
+    def plain(self, versions: Mapping[str, str]) -> dict[str, Any]:
+        """Return everything that changes the pixels, as numbers, strings, lists and mappings.
+
+        ``kind`` is left out: a gallery picture and a probe of the same light are the same pixels.
+
+        Args:
+            versions: Of the code that makes them, e.g. ``{"renderer": "3", "variant": ...}``.
+        """
+        values = asdict(self)
+        del values["kind"]
+        return {**values, "versions": dict(versions)}
+
+
+def derived_seed(seed: int, *what: object) -> int:
+    """Return a 32-bit seed that depends on ``seed`` and on every word of ``what``.
+
+    Pictures rendered with the same sampler seed would carry the same noise pattern.
+
+    Args:
+        seed: The run's.
+        what: Plain values or dataclasses of them, e.g. identity, pose, lighting, size.
+
+    Example:
+        >>> derived_seed(0, "train-00000", "left") == derived_seed(0, "train-00000", "up")
+        False
+    """
+    words = [asdict(w) if is_dataclass(w) and not isinstance(w, type) else w for w in what]
+    text = json.dumps([seed, *words], sort_keys=True)
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")

@@ -1,0 +1,203 @@
+"""What does ``lrsr render`` do? Pictures of people as files in a folder, with their manifest."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import torch
+
+from lrsr.camera import Camera
+from lrsr.camera.exposure import expose
+from lrsr.data.cache import RenderCache
+from lrsr.data.maker import Maker, mitsuba_maker
+from lrsr.data.manifest import MANIFEST, ManifestRow, read_manifest, write_manifest
+from lrsr.data.png import write_png
+from lrsr.data.probes import Probe, load_radiances, photograph, render_missing
+from lrsr.data.recipe import Kind, ProbeRecipe, Split, derived_seed
+from lrsr.errors import InputError
+from lrsr.files import sweep
+from lrsr.paths import cache_folder
+from lrsr.rendering.radiance import Radiance
+
+if TYPE_CHECKING:
+    from lrsr.rendering.scene import Lighting, Pose
+
+_CHUNK = 64
+
+
+@dataclass(frozen=True)
+class RenderSettings:
+    """Everything that ``lrsr render`` can be told.
+
+    Attributes:
+        out: Folder for the pictures and ``manifest.csv``; made if it is not there.
+        count: How many people, >= 1.
+        start: Number of the first one within the split.
+        split: "train", "validation" or "test"; nobody is in two of them.
+        kind: "probe", or "gallery": the enrolled picture, frontal in frontal light at 64 px without
+            compression, whatever else is asked for.
+        pose: Name, or any angles.
+        lighting: Name, or any lights.
+        compression: Of the ×1 picture. Finer films are true references: never compressed.
+        ipd_px: Interpupillary distance of the frontal face on the ×1 film, px.
+        scales: Films: 1, and 2 and 4 for references.
+        png16: Write the exposed linear light too, clipped at white, in 16 bits a channel.
+        camera: Takes the pictures; its own compression is not used. None: the reference camera.
+        samples_per_pixel: Of the ×1 film.
+        texture_size: Of the heads' albedo, px.
+        skin: Skin model of the renderer.
+        max_depth: Longest light path.
+        seed: Of the noise.
+        cache: Folder of the render cache; None: the user's.
+
+    Raises:
+        InputError: A number is out of range.
+    """
+
+    out: Path
+    count: int = 4
+    start: int = 0
+    split: Split = "test"
+    kind: Kind = "probe"
+    pose: "str | Pose" = "frontal"
+    lighting: "str | Lighting" = "frontal"
+    compression: str = "none"
+    ipd_px: float = 8.0
+    scales: Sequence[int] = (1,)
+    png16: bool = False
+    camera: Camera | None = None
+    samples_per_pixel: int = 2048
+    texture_size: int = 512
+    skin: str = "reflective"
+    max_depth: int = 5
+    seed: int = 0
+    cache: Path | None = None
+
+    def __post_init__(self) -> None:
+        if self.count < 1:
+            raise InputError(f"identities.count={self.count}: wanted a number >= 1")
+        if not self.scales:
+            raise InputError("scales=[]: wanted at least one of 1, 2, 4")
+
+    def as_gallery(self) -> "RenderSettings":
+        """Return the same with the conditions of an enrolled picture."""
+        return replace(
+            self,
+            pose="frontal",
+            lighting="frontal",
+            compression="none",
+            ipd_px=GALLERY_IPD_PX,
+            samples_per_pixel=min(self.samples_per_pixel, GALLERY_SAMPLES),
+        )
+
+    def recipes(self, scale: int) -> list[ProbeRecipe]:
+        """Return what everybody is rendered as, on a film of that scale."""
+        condition = (self.kind, self.pose, self.lighting, float(self.ipd_px), scale)
+        return [
+            ProbeRecipe(
+                split=self.split,
+                index=index,
+                kind=self.kind,
+                pose=self.pose,
+                lighting=self.lighting,
+                ipd_px=self.ipd_px,
+                scale=scale,
+                samples_per_pixel=self.samples_per_pixel,
+                seed=derived_seed(self.seed, self.split, index, *condition),
+                texture_size=self.texture_size,
+                skin=self.skin,
+                max_depth=self.max_depth,
+            )
+            for index in range(self.start, self.start + self.count)
+        ]
+
+
+GALLERY_IPD_PX = 64.0
+"""Of an enrolled picture; documents ask for 90, and recognition crops to about 35."""
+
+GALLERY_SAMPLES = 64
+"""At most so many samples a pixel in a gallery picture, which has 64 times the pixels of a probe."""
+
+
+def render_to_folder(
+    settings: RenderSettings, *, progress: bool = True, maker: Maker | None = None
+) -> Path:
+    """Write the pictures and, last, the manifest that names them; return the manifest's path.
+
+    Rows of earlier calls stay as long as their pictures do; a picture of the same name is made
+    again. Stopped at any moment, the same call goes on: what was rendered is in the cache.
+
+    Args:
+        settings: What to write, and where.
+        progress: Show a bar while rendering.
+        maker: Builds and renders; Mitsuba when None.
+
+    Raises:
+        InputError: ``out`` is a file or holds a broken manifest, or it cannot be written.
+    """
+    if settings.kind == "gallery":
+        settings = settings.as_gallery()
+    maker = maker or mitsuba_maker()
+    cache = RenderCache(settings.cache or cache_folder())
+    rows = {row.file: row for row in _earlier(settings.out)}
+    batches = [(scale, settings.recipes(scale)) for scale in settings.scales]
+    everything = [recipe for _, recipes in batches for recipe in recipes]
+    render_missing(everything, cache, progress=progress, maker=maker)
+    sweep(settings.out)
+    for scale, recipes in batches:
+        compression = settings.compression if scale == 1 else "none"
+        camera = (settings.camera or Camera()).compressing(compression)
+        for start in range(0, len(recipes), _CHUNK):
+            chunk = recipes[start : start + _CHUNK]
+            radiances = load_radiances(chunk, cache, progress=progress, maker=maker)
+            probes = photograph(radiances, camera, [settings.kind] * len(chunk))
+            for probe, radiance in zip(probes, radiances, strict=True):
+                linear = _exposed(radiance, camera) if settings.png16 else None
+                row = _write(settings.out, probe, linear)
+                rows[row.file] = row
+    return write_manifest(settings.out, rows.values())
+
+
+def _earlier(folder: Path) -> list[ManifestRow]:
+    """Return the rows of an earlier manifest whose pictures are still there.
+
+    Raises:
+        InputError: ``folder`` is a file, or its manifest is broken.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"out={folder} is a file: give a folder")
+    if not (folder / MANIFEST).exists():
+        return []
+    return [row for row in read_manifest(folder, pictures=False) if (folder / row.file).is_file()]
+
+
+def _exposed(radiance: Radiance, camera: Camera) -> torch.Tensor:
+    """Return the exposed light ``(3, H, W)`` of a picture, linear, 1 = white."""
+    metered = torch.tensor([radiance.metered])
+    return expose(radiance.image[None], metered, camera.exposure_ev)[0]
+
+
+def _write(folder: Path, probe: Probe, linear: torch.Tensor | None) -> ManifestRow:
+    condition = f"{probe.kind}_{probe.pose}_{probe.lighting}_{probe.compression}"
+    stem = re.sub(
+        r"[^\w.-]+", "-", f"{probe.identity_id}_{condition}_ipd{probe.ipd_px:g}_x{probe.scale}"
+    )
+    write_png(folder / f"{stem}.png", probe.image)
+    if linear is not None:
+        write_png(folder / f"{stem}_linear16.png", linear, bits=16)
+    return ManifestRow(
+        file=f"{stem}.png",
+        identity_id=probe.identity_id,
+        kind=probe.kind,
+        pose=probe.pose,
+        lighting=probe.lighting,
+        compression=probe.compression,
+        camera=probe.camera,
+        ipd_px=probe.ipd_px,
+        scale=probe.scale,
+        seed=probe.seed,
+        landmarks_px=tuple(probe.landmarks_px.flatten().tolist()),
+        linear_file="" if linear is None else f"{stem}_linear16.png",
+    )

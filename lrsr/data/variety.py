@@ -1,0 +1,56 @@
+"""How do people stand before a camera when nobody tells them to? Poses and lights for training.
+
+The ranges are estimated: a head that turns at most 35° still shows both eyes, and a room lights a
+face with one or two lamps and whatever its walls send back.
+"""
+
+import numpy as np
+
+from lrsr.rendering.scene import LIGHTINGS, POSES, Light, Lighting, Pose
+
+NAMED_SHARE = 0.3
+"""How often one of the named poses or lightings is drawn instead of a random one."""
+
+
+def random_pose(rng: np.random.Generator) -> Pose:
+    """Draw a named pose, or yaw within ±35°, pitch within ±20° and roll within ±5°, uniform.
+
+    Example:
+        >>> abs(random_pose(np.random.default_rng(0)).yaw_deg) <= 35
+        True
+    """
+    if rng.random() < NAMED_SHARE:
+        return list(POSES.values())[rng.integers(len(POSES))]
+    yaw, pitch, roll = (rng.uniform(-1, 1, 3) * (35, 20, 5)).round(2).tolist()
+    return Pose("random", yaw_deg=yaw, pitch_deg=pitch, roll_deg=roll)
+
+
+def random_lighting(rng: np.random.Generator) -> Lighting:
+    """Draw a named lighting, or one or two lamps of any direction, size and warmth, and a fill.
+
+    Example:
+        >>> 1 <= len(random_lighting(np.random.default_rng(0)).lights) <= 2
+        True
+    """
+    if rng.random() < NAMED_SHARE:
+        return list(LIGHTINGS.values())[rng.integers(len(LIGHTINGS))]
+    lamps = tuple(_lamp(rng) for _ in range(rng.integers(1, 3)))
+    return Lighting(
+        "random", lamps, fill_share=round(rng.uniform(0.15, 0.6), 3), fill_rgb=_white(rng)
+    )
+
+
+def _lamp(rng: np.random.Generator) -> Light:
+    return Light(
+        azimuth_deg=round(rng.uniform(-80, 80), 2),
+        elevation_deg=round(rng.uniform(-50, 70), 2),
+        diameter_deg=round(rng.uniform(15, 60), 2),
+        irradiance=round(float(np.exp(rng.uniform(-1, 1))), 3),
+        rgb=_white(rng),
+    )
+
+
+def _white(rng: np.random.Generator) -> tuple[float, float, float]:
+    """Draw a white between a warm lamp and a cloudy sky: red against blue within ±25 %."""
+    warmth = rng.uniform(-0.25, 0.25)
+    return (round(1 + warmth, 3), 1.0, round(1 - warmth, 3))
