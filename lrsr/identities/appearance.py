@@ -1,7 +1,8 @@
 """What does a person's skin look like? Pigments, lips, brows, beard, marks and lines as textures.
 
-:func:`sample_appearance` draws plain numbers, :func:`paint_skin` turns them into a linear albedo and
-a relief. Everything is drawn on the template head and reaches the texture through its position map.
+:func:`sample_appearance` draws plain numbers, :func:`paint_skin` turns them into a linear albedo
+and a relief. Everything is drawn on the template head and reaches the texture through its
+position map.
 """
 
 from dataclasses import dataclass
@@ -194,7 +195,7 @@ class SkinPainter:
         blood += np.float32(0.9) * circles * self._regions["circles"]
         melanin += np.float32(skin["tan"]) * self._regions["forehead"]
         for name in ("cheeks", "nose", "ears", "lids", "chin", "forehead"):
-            blood += np.float32(skin[name]) * self._regions[name]  # type: ignore[literal-required]
+            blood += np.float32(skin[name]) * self._regions[name]
         blood += np.float32(lips["blood"]) * self._lips
         melanin += np.float32(lips["melanin"]) * self._lips
         blood += np.float32(0.6) * self._waterline
@@ -231,8 +232,8 @@ class SkinPainter:
         sheet = np.asarray(cv2.GaussianBlur(sheet, (0, 0), max(0.3, sigma)), dtype=np.uint8)
         opacity = brows_module.CANVAS.sample(sheet, self._brow_pixels).astype(np.float32)
         opacity *= self._front / np.float32(255)
-        colour = hair_rgb(appearance["hair_colour"], darker=1.7, grey=0.5)
-        colour *= min(1.0, 0.15 / float(colour.max()))
+        colour = hair_rgb(appearance["hair_colour"], darker=2.4, grey=0.35)
+        colour *= min(1.0, 0.11 / float(colour.max()))
         _cover(albedo, colour, opacity)
 
 

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 CANVAS = Canvas(left_mm=-66.0, top_mm=48.0, width_mm=132.0, height_mm=52.0)
 """The part of the frontal sheet that brows may cover."""
 
-BASE_HEIGHT_MM = 19.0
+BASE_HEIGHT_MM = 16.0
 """Height of the template's brow ridge over the pupils; ``height_mm`` is counted from here."""
 
 _STRANDS = 420
@@ -167,9 +167,9 @@ def draw_brows(brows: Brows, rng: Generator) -> NDArray[np.uint8]:
     hairs = np.concatenate(strands)
     rng.shuffle(hairs)
     sheet = CANVAS.blank()
-    CANVAS.draw_strands(sheet, hairs, (120, 165, 205, 235))
+    CANVAS.draw_strands(sheet, hairs, (150, 195, 225, 250))
     blurred = cv2.GaussianBlur(sheet, (0, 0), _BASE_BLUR_PX)
-    shade = min(0.95, 0.55 + 0.22 * brows["density"])
+    shade = min(0.95, 0.62 + 0.22 * brows["density"])
     merged = cv2.max(sheet, cv2.convertScaleAbs(blurred, alpha=1.25 * shade))
     return np.asarray(merged, dtype=np.uint8)
 

@@ -66,8 +66,8 @@ def hair_rgb(colour: HairColour, *, darker: float = 1.0, grey: float = 1.0) -> N
         ``(3,)`` float32, linear sRGB.
 
     Example:
-        >>> hair_rgb({"eumelanin": 1.3, "pheomelanin": 0.1, "grey": 0.0}).round(3).tolist()
-        [0.098, 0.053, 0.02]
+        >>> hair_rgb({"eumelanin": 1.3, "pheomelanin": 0.1, "grey": 0.0}).round(2)
+        array([0.1 , 0.05, 0.02], dtype=float32)
     """
     absorption = darker * (
         colour["eumelanin"] * _EUMELANIN_ABSORPTION

@@ -92,16 +92,16 @@ def paint_eye(iris: Iris, rng: Generator, *, texture_size: int = 256) -> NDArray
     if texture_size < 16:
         raise ValueError(f"texture_size must be at least 16, got {texture_size}")
     angle, azimuth = _polar(texture_size)
-    pixel = np.float32(2 * EDGE_ANGLE_RAD / texture_size)
+    pixel = 2 * EDGE_ANGLE_RAD / texture_size
     radius = angle / np.float32(iris["half_angle_rad"])
-    soft = pixel / np.float32(iris["half_angle_rad"])
+    soft = pixel / iris["half_angle_rad"]
     colour = _paint_sclera(iris, angle, azimuth, rng)
     inside = smoothstep(1.0 + 0.6 * soft + 0.03, 1.0 - 0.6 * soft - 0.05, radius)[..., None]
     colour = colour + (_paint_iris(iris, radius, azimuth, rng) - colour) * inside
     share = iris["pupil_share"]
     pupil = smoothstep(share + 0.7 * soft + 0.01, share - 0.7 * soft - 0.01, radius)[..., None]
     colour = colour + (np.float32(0.004) - colour) * pupil
-    return np.clip(colour, 0.0, 1.0).astype(np.float32)
+    return np.asarray(np.clip(colour, 0.0, 1.0), dtype=np.float32)
 
 
 def _polar(size: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
