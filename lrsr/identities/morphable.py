@@ -88,7 +88,10 @@ def sample_parameters(seed: int) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Template:
-    """The average adult, in head frame: features are drawn on it, whoever will wear them.
+    """The average adult: features are drawn on it, whoever will wear them.
+
+    Its axes are those of the head frame, its origin lies where the middle between its pupils would
+    be if it looked straight ahead: these are the *template's millimetres* of brows, beards and hair.
 
     Attributes:
         skin: ``(V, 3)`` render vertices, mm.
@@ -126,7 +129,10 @@ def _in_head_frame(basis: Basis, weights: NDArray[np.float64]) -> tuple[BaseHead
 def template() -> Template:
     """Return the average adult; later calls are free."""
     basis = load_basis()
-    head, eyes = _in_head_frame(basis, basis.neutral)
+    head = basis.shape(basis.neutral)
+    eyes = find_eyes(basis, head)
+    origin = eyes.centres.mean(axis=0) + [0.0, 0.0, eyes.radii.mean()]
+    head, eyes = BaseHead(*(part - origin for part in head)), eyes.moved(np.eye(3), origin)
     skin = basis.surface.matrix @ head.skin
     return Template(skin, eyes, find_lids(skin, eyes), make_lashes(basis, head, eyes))
 
