@@ -13,8 +13,13 @@ from lrsr.errors import InputError
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
     """Give a temporary path beside ``path``; rename it over ``path`` when the block succeeds.
+
+    Args:
+        path: What is to be written; its folder is made if it is not there.
+        durable: Survive a power cut too (the disk confirms, some 10 ms). Without, a process may
+            still be killed at any moment; for what carries a checksum or is quickly made again.
 
     Raises:
         InputError: The folder cannot be written or the disk is full; ``path`` is left as it was.
@@ -27,8 +32,9 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
         temporary.touch(exist_ok=False)
         yield temporary
-        with temporary.open("rb") as written:
-            os.fsync(written.fileno())
+        if durable:
+            with temporary.open("rb") as written:
+                os.fsync(written.fileno())
         temporary.replace(path)
         temporary = None
     except OSError as error:
@@ -72,9 +78,9 @@ def _lock(folder: Path, kind: int) -> int | None:
     return None
 
 
-def write_bytes(path: Path, content: bytes) -> None:
+def write_bytes(path: Path, content: bytes, *, durable: bool = True) -> None:
     """Write beside and rename; see :func:`replacing`."""
-    with replacing(path) as temporary:
+    with replacing(path, durable=durable) as temporary:
         temporary.write_bytes(content)
 
 

@@ -97,7 +97,7 @@ class RenderCache:
             NonFiniteError: The image holds a NaN or an infinity: it would stay for ever.
         """
         check_images(radiance.image[None], name=f"rendering of {radiance.identity_id}")
-        write_bytes(self.path(key), _pack(radiance))
+        write_bytes(self.path(key), _pack(radiance), durable=False)  # its checksum tells
 
     def sweep(self) -> int:
         """Remove the unfinished files of killed writers; return how many there were."""

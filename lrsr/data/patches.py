@@ -111,8 +111,10 @@ class PatchDataset(Dataset[tuple[torch.Tensor, torch.Tensor]]):
 
     def __getitem__(self, numbers: int | Sequence[int]) -> tuple[torch.Tensor, torch.Tensor]:
         """Return one pair of patches, or the batches of both for a sequence of numbers."""
-        at = numbers if isinstance(numbers, int) else torch.as_tensor(numbers)
-        return self.inputs[at], self.targets[at]
+        if isinstance(numbers, int):
+            return self.inputs[numbers], self.targets[numbers]
+        at = torch.as_tensor(numbers)
+        return self.inputs.index_select(0, at), self.targets.index_select(0, at)
 
 
 class PairDataset(Dataset[tuple[torch.Tensor, torch.Tensor]]):

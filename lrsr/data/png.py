@@ -25,7 +25,7 @@ def write_png(path: Path, image: torch.Tensor, *, bits: int = 8) -> None:
     pixels = image.detach().cpu().clamp(0, 1).double().mul(levels).round().numpy()
     bgr = np.ascontiguousarray(pixels.transpose(1, 2, 0)[..., ::-1])
     _, file = cv2.imencode(".png", bgr.astype(np.uint8 if bits == 8 else np.uint16))
-    write_bytes(path, file.tobytes())
+    write_bytes(path, file.tobytes(), durable=False)  # quickly made again
 
 
 def read_png(path: Path) -> torch.Tensor:

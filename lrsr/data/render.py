@@ -118,7 +118,7 @@ GALLERY_IPD_PX = 64.0
 """Of an enrolled picture; documents ask for 90, and recognition crops to about 35."""
 
 GALLERY_SAMPLES = 64
-"""At most so many samples a pixel in a gallery picture, which has 64 times the pixels of a probe."""
+"""Samples a pixel of a gallery picture at most: it has 64 times the pixels of an 8 px probe."""
 
 
 def render_to_folder(
