@@ -80,6 +80,32 @@ def check_finite(scores: Array, name: str, start: int = 0) -> None:
         )
 
 
+def to_common(a: Array, b: Array) -> tuple[Array, Array]:
+    """Return two sets of scores in one dtype that holds both exactly.
+
+    Raises:
+        ScoreError: Integers beyond 2**53 against a dtype that is not theirs.
+    """
+    if a.dtype == b.dtype:
+        return a, b
+    common = np.result_type(a, b)
+    if common.kind == "f":
+        common = np.dtype(np.float64)
+        if max(_magnitude(part) for part in (a, b)) > _EXACT_IN_FLOAT64:
+            raise ScoreError(
+                "integer scores beyond 2**53 cannot be compared with another dtype exactly: "
+                "give all scores in one dtype"
+            )
+    return a.astype(common, copy=False), b.astype(common, copy=False)
+
+
+def _magnitude(scores: Array) -> int:
+    """Return the largest absolute value of integers; 0 for fractions, which need no care."""
+    if scores.dtype.kind == "f" or scores.size == 0:
+        return 0
+    return max(abs(int(scores.min())), abs(int(scores.max())))
+
+
 @dataclass(frozen=True)
 class Counts:
     """The counts that every measure of this package is made of.
@@ -268,7 +294,7 @@ class Counter:
             under = np.cumsum(counted_whole)[self._table.bins(self._exact)]
             lo += under
             hi += under
-        return Counts(self.values, self.ties, lo, hi, self._n)
+        return Counts(self._exact, self.ties, lo, hi, self._n)
 
     def place(self, impostor: ArrayLike) -> Ints:
         """Count impostor scores ``(b,)`` and return twice the genuine scores above each.
@@ -288,27 +314,17 @@ class Counter:
         return class_placements(self.ties)[classes]
 
     def _comparable(self, block: Array) -> Array:
-        """Bring genuine scores and block to one dtype that holds both exactly.
+        """Return the block in the dtype of comparison, widening the genuine scores if need be.
 
         Raises:
             ScoreError: Integers beyond 2**53 against fractions.
         """
-        if block.dtype == self._exact.dtype:
-            return block
-        common = np.result_type(block.dtype, self._exact.dtype)
-        if common.kind == "f":
-            for part in (block, self._exact):
-                if part.dtype.kind != "f" and _magnitude(part) > _EXACT_IN_FLOAT64:
-                    raise ScoreError(
-                        "integer scores beyond 2**53 cannot be compared with other types exactly: "
-                        "give genuine and impostor scores in one dtype"
-                    )
-            common = np.dtype(np.float64)
-        if common != self._exact.dtype:
+        block, exact = to_common(block, self._exact)
+        if exact.dtype != self._exact.dtype:
             self._settle()
-            self._exact = self._exact.astype(common)
+            self._exact = exact
             self._lay_table()
-        return block.astype(common, copy=False)
+        return block
 
     def _settle(self) -> None:
         """Move the counts of the present table into lo and hi before the table changes."""
@@ -367,7 +383,3 @@ def count(genuine: ArrayLike, impostor: ArrayLike) -> Counts:
     counter = Counter(genuine)
     counter.add(check_scores(impostor, "impostor"))
     return counter.counts()
-
-
-def _magnitude(integers: Array) -> int:
-    return max(abs(int(integers.min())), abs(int(integers.max()))) if integers.size else 0

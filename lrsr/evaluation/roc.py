@@ -1,0 +1,249 @@
+"""Which true-match rates can be had at which false-match rates, and how sure is the curve?
+
+A comparison matches when its score is at or above the threshold (ISO/IEC 19795-1). A curve holds
+every corner of the step function, at most two per distinct genuine score, read off the exact
+counts: nothing is binned, thinned or interpolated. Between two corners with equal true-match rate
+the curve is flat, with equal false-match rate upright; a slanted piece is a tie of genuine and
+impostor scores, whose inside no threshold reaches (the area under it is the tie's one half).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtri
+
+from lrsr.errors import ScoreError
+from lrsr.evaluation.counting import Counts, Ints, count
+from lrsr.evaluation.delong import normal_quantile
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RocCurve:
+    """The corners of an ROC curve from (0, 0) to (1, 1), the threshold falling.
+
+    Attributes:
+        thresholds: ``(c,)`` accepting score >= threshold gives the corner; the first is infinite.
+        false_matches: ``(c,)`` impostor scores at or above the threshold.
+        true_matches: ``(c,)`` genuine scores at or above the threshold.
+        n_genuine: Genuine scores.
+        n_impostor: Impostor scores.
+    """
+
+    thresholds: Floats
+    false_matches: Ints
+    true_matches: Ints
+    n_genuine: int
+    n_impostor: int
+
+    @property
+    def fmr(self) -> Floats:
+        """``(c,)`` false-match rate of each corner, rising."""
+        return self.false_matches / self.n_impostor
+
+    @property
+    def tmr(self) -> Floats:
+        """``(c,)`` true-match rate of each corner, rising."""
+        return self.true_matches / self.n_genuine
+
+    @property
+    def fnmr(self) -> Floats:
+        """``(c,)`` false-non-match rate, 1 - tmr, falling."""
+        return (self.n_genuine - self.true_matches) / self.n_genuine
+
+    @property
+    def auc(self) -> float:
+        """Area under the curve: exactly that of :func:`lrsr.evaluation.delong.measure_auc`."""
+        steps = np.diff(self.false_matches)
+        doubled = int((steps * (self.true_matches[1:] + self.true_matches[:-1])).sum())
+        return doubled / (2 * self.n_genuine * self.n_impostor)
+
+    def tmr_at(self, fmr: ArrayLike) -> Floats:
+        """Return the largest true-match rate that some threshold reaches at or below each FMR.
+
+        Args:
+            fmr: Any shape, [0, 1].
+        """
+        corner = np.searchsorted(self.fmr, np.asarray(fmr, dtype=np.float64), side="right") - 1
+        return np.asarray(self.tmr[corner])
+
+    def as_json(self) -> dict[str, Any]:
+        """Return plain lists and numbers; the infinite first threshold becomes None."""
+        return {
+            "thresholds": [t if math.isfinite(t) else None for t in self.thresholds.tolist()],
+            "fmr": self.fmr.tolist(),
+            "tmr": self.tmr.tolist(),
+            "n_genuine": self.n_genuine,
+            "n_impostor": self.n_impostor,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class RocBand:
+    """A pointwise confidence band of an ROC curve, as two step functions of the FMR.
+
+    Attributes:
+        fmr: ``(f,)`` rising from 0 to 1.
+        low: ``(f,)`` lower limit of the true-match rate, valid up to the next FMR (a step "post").
+        high: ``(f,)`` upper limit, valid down to the FMR before (a step "pre").
+        level: Confidence level, pointwise.
+    """
+
+    fmr: Floats
+    low: Floats
+    high: Floats
+    level: float
+
+
+@dataclass(frozen=True, eq=False)
+class DetPoints:
+    """Points for a DET plot (Martin et al., Eurospeech 1997): both error rates as normal deviates.
+
+    Attributes:
+        fmr: ``(d,)`` false-match rates in (0, 1).
+        fnmr: ``(d,)`` false-non-match rates in (0, 1).
+        fmr_deviate: ``(d,)`` standard normal quantile of the FMR.
+        fnmr_deviate: ``(d,)`` standard normal quantile of the FNMR.
+    """
+
+    fmr: Floats
+    fnmr: Floats
+    fmr_deviate: Floats
+    fnmr_deviate: Floats
+
+
+def trace_roc(genuine: ArrayLike, impostor: ArrayLike) -> RocCurve:
+    """Return every corner of the ROC curve.
+
+    Args:
+        genuine: ``(m,)`` scores of mated pairs, higher = more alike, m >= 1.
+        impostor: ``(n,)`` scores of non-mated pairs, n >= 1.
+
+    Raises:
+        ScoreError: A side is empty, a score is not finite, or a dtype is not real.
+
+    Example:
+        >>> curve = trace_roc([2, 3], [1, 2, 0])
+        >>> list(zip(curve.fmr.round(2).tolist(), curve.tmr.tolist()))
+        [(0.0, 0.0), (0.0, 0.5), (0.33, 1.0), (1.0, 1.0)]
+    """
+    return trace_roc_from_counts(count(genuine, impostor))
+
+
+def trace_roc_from_counts(counts: Counts) -> RocCurve:
+    """Return every corner of the ROC curve from counts, e.g. of scores that were never stored.
+
+    Raises:
+        ScoreError: No impostor score was counted.
+    """
+    if counts.n_impostor == 0:
+        raise ScoreError("0 impostor scores: a curve needs at least 1")
+    # Thresholds keep the dtype of the scores, so that comparing them rounds nothing.
+    values = counts.values[::-1]
+    values = values if values.dtype.kind == "f" else values.astype(np.float64)
+    at = np.cumsum(counts.ties[::-1])
+    thresholds = np.empty(2 * values.size + 2)
+    false_matches = np.empty(thresholds.size, dtype=np.int64)
+    true_matches = np.empty(thresholds.size, dtype=np.int64)
+    thresholds[0], false_matches[0], true_matches[0] = np.inf, 0, 0
+    # Just above a genuine score, then at it.
+    thresholds[1:-1:2] = np.nextafter(values, values.dtype.type(np.inf))
+    false_matches[1:-1:2] = counts.n_impostor - counts.hi[::-1]
+    true_matches[1:-1:2] = at - counts.ties[::-1]
+    thresholds[2:-1:2] = values
+    false_matches[2:-1:2] = counts.n_impostor - counts.lo[::-1]
+    true_matches[2:-1:2] = at
+    thresholds[-1] = -np.inf
+    false_matches[-1], true_matches[-1] = counts.n_impostor, counts.n_genuine
+    keep = np.ones(thresholds.size, dtype=bool)
+    keep[1:] = (np.diff(false_matches) > 0) | (np.diff(true_matches) > 0)
+    return RocCurve(
+        thresholds[keep],
+        false_matches[keep],
+        true_matches[keep],
+        counts.n_genuine,
+        counts.n_impostor,
+    )
+
+
+def wilson_interval(
+    successes: ArrayLike, trials: int, level: float = 0.95
+) -> tuple[Floats, Floats]:
+    """Return Wilson's score interval of a proportion (JASA 22, 1927).
+
+    Args:
+        successes: Any shape, 0 to ``trials``.
+        trials: How many independent trials, >= 1.
+        level: Confidence level, in (0, 1).
+
+    Raises:
+        ScoreError: No trial, successes outside 0 to ``trials``, or a level outside (0, 1).
+
+    Example:
+        >>> low, high = wilson_interval(0, 10)
+        >>> round(float(low), 4), round(float(high), 4)
+        (0.0, 0.2775)
+    """
+    hits = np.asarray(successes, dtype=np.float64)
+    if trials < 1 or (hits < 0).any() or (hits > trials).any():
+        raise ScoreError(
+            f"{hits} successes in {trials} trials: wanted at least 1, and 0 to as many"
+        )
+    square = normal_quantile(level) ** 2
+    centre = (hits + square / 2) / (trials + square)
+    spread = hits * (trials - hits) / trials + square / 4
+    half = np.sqrt(square * spread) / (trials + square)
+    low = np.where(hits == 0, 0.0, centre - half)
+    high = np.where(hits == trials, 1.0, centre + half)
+    return low, high
+
+
+def band(curve: RocCurve, level: float = 0.95) -> RocBand:
+    """Put a pointwise confidence band round an ROC curve.
+
+    At every threshold the FMR and the true-match rate are proportions of independent samples. Each
+    gets a Wilson interval at the level's square root, so that the rectangle of the two holds the
+    true point with ``level``; the band is what the rectangles sweep. No density is estimated (as
+    the variance of Hsieh and Turnbull would need) and nothing is interpolated; the band errs on
+    the wide side, by the second interval. It is pointwise, not simultaneous, and takes the pairs as
+    independent: with several images per person it is too narrow.
+
+    Args:
+        curve: Of :func:`trace_roc`.
+        level: Confidence level, in (0, 1).
+
+    Raises:
+        ScoreError: The level lies outside (0, 1).
+    """
+    normal_quantile(level)
+    each = math.sqrt(level)
+    fmr_low, fmr_high = wilson_interval(curve.false_matches, curve.n_impostor, each)
+    tmr_low, tmr_high = wilson_interval(curve.true_matches, curve.n_genuine, each)
+    grid = np.unique(np.concatenate((curve.fmr, fmr_low, fmr_high, [0.0, 1.0])))
+    # Below: the best rectangle that surely lies left of this FMR. Above: the first that surely
+    # lies right of it.
+    left = np.searchsorted(fmr_high, grid, side="right") - 1
+    right = np.searchsorted(fmr_low, grid, side="left")
+    low = np.where(left >= 0, tmr_low[left], 0.0)
+    high = np.where(right < tmr_high.size, tmr_high[np.minimum(right, tmr_high.size - 1)], 1.0)
+    return RocBand(grid, low, high, level)
+
+
+def det_points(curve: RocCurve) -> DetPoints:
+    """Return the corners of a curve on normal-deviate axes; rates of 0 and 1 have no place there.
+
+    Example:
+        >>> points = det_points(trace_roc([1, 2, 3], [0, 1, 2]))
+        >>> points.fnmr.round(3).tolist(), points.fmr_deviate.round(3).tolist()
+        ([0.333], [-0.431])
+    """
+    fmr, fnmr = curve.fmr, curve.fnmr
+    inside = (fmr > 0) & (fmr < 1) & (fnmr > 0) & (fnmr < 1)
+    fmr, fnmr = fmr[inside], fnmr[inside]
+    return DetPoints(fmr, fnmr, ndtri(fmr), ndtri(fnmr))
