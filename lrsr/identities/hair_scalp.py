@@ -1,0 +1,138 @@
+"""Where does the hairline run, and which skin shows the colour of hair roots?"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
+
+from lrsr.identities.hair_anchors import (
+    AZIMUTHS,
+    POLAR_STEP_DEG,
+    SKULL_CENTRE_MM,
+    chart_angles,
+    load_anchors,
+)
+
+Floats = NDArray[np.float64]
+
+MM_PER_DEG = 1.6
+"""Length of one degree on the skull, about 92 mm from its centre."""
+
+_EAR_CLEARANCE_MM = 5.0
+
+# Azimuth (degrees, subject's left positive), polar angle of the natural hairline, and how strongly
+# recession, widow's peak, sideburn (degrees) and nape move it.
+_CONTROL = np.array(
+    [
+        #  az  polar rec  peak side nape
+        [0.0, 60.0, -0.25, 1.0, 0.0, 0.0],
+        [10.0, 60.0, -0.40, 0.2, 0.0, 0.0],
+        [22.0, 59.5, -0.90, 0.0, 0.0, 0.0],
+        [33.0, 59.0, -1.00, 0.0, 0.0, 0.0],
+        [43.0, 62.0, -0.70, 0.0, 0.0, 0.0],
+        [50.0, 69.0, -0.30, 0.0, 0.0, 0.0],
+        [57.0, 80.0, -0.10, 0.0, 0.2, 0.0],
+        [63.0, 93.0, 0.0, 0.0, 0.6, 0.0],
+        [68.0, 103.0, 0.0, 0.0, 1.0, 0.0],
+        [76.0, 105.0, 0.0, 0.0, 1.0, 0.0],
+        [82.0, 96.0, 0.0, 0.0, 0.5, 0.0],
+        [88.0, 88.0, 0.0, 0.0, 0.0, 0.0],
+        [100.0, 86.0, 0.0, 0.0, 0.0, 0.0],
+        [112.0, 92.0, 0.0, 0.0, 0.0, 0.0],
+        [122.0, 110.0, 0.0, 0.0, 0.0, 0.3],
+        [132.0, 126.0, 0.0, 0.0, 0.0, 0.8],
+        [150.0, 131.0, 0.0, 0.0, 0.0, 1.0],
+        [180.0, 130.0, 0.0, 0.0, 0.0, 1.0],
+    ]
+)
+
+
+def hairline_polar(azimuth: Floats, parameters: Mapping[str, Any]) -> Floats:
+    """Return the polar angle of the natural hairline, degrees.
+
+    Args:
+        azimuth: Any shape, degrees, -180..180.
+        parameters: Of one head of hair, see :mod:`lrsr.identities.hair_styles`.
+    """
+    front = np.exp(-((_CONTROL[:, 0] / 52.0) ** 4))
+    height = (
+        _CONTROL[:, 1]
+        - parameters["hairline_deg"] * front
+        + parameters["recession_deg"] * _CONTROL[:, 2]
+        + parameters["peak_deg"] * _CONTROL[:, 3]
+        + parameters["sideburn_mm"] / MM_PER_DEG * _CONTROL[:, 4]
+        + parameters["nape_deg"] * _CONTROL[:, 5]
+    )
+    grid = np.linspace(0.0, 180.0, 361)
+    smooth = np.interp(grid, _CONTROL[:, 0], height)
+    smooth = _blur(smooth, 7)
+    tilt = parameters["tilt_deg"] * np.sin(np.deg2rad(azimuth)) * np.exp(-((azimuth / 60.0) ** 2))
+    return np.interp(np.abs(azimuth), grid, smooth) + tilt
+
+
+def scalp_mask(
+    parameters: Mapping[str, Any], position_map_xyz: NDArray[np.floating[Any]], seed: int = 0
+) -> NDArray[np.float32]:
+    """Return how much of each skin texel the hair roots cover.
+
+    Args:
+        parameters: Of one head of hair.
+        position_map_xyz: ``(H, W, 3)`` canonical point of each texel, mm in the template's head
+            frame; NaN where a texel shows no skin.
+        seed: Of the ragged edge.
+
+    Returns:
+        ``(H, W)`` float32, 0 = bare skin, 1 = all hair; fades over about 8 mm in strand strokes.
+    """
+    points = np.nan_to_num(np.asarray(position_map_xyz, dtype=np.float64), nan=1e4)
+    azimuth, polar = chart_angles(points)
+    inside_mm = (hairline_polar(azimuth, parameters) - polar) * MM_PER_DEG
+    rng = np.random.default_rng([seed, 5])
+    stroke = _strokes(rng, azimuth, polar)
+    cover = smoothstep((inside_mm + 6.0 * (stroke - 0.35)) / 7.0 + 0.5)
+    bald = parameters["bald_deg"]
+    if bald > 0:
+        rim = (polar - bald_polar(azimuth, bald)) * MM_PER_DEG
+        cover = cover * smoothstep((rim + 10.0 * (stroke - 0.5)) / 18.0 + 0.5)
+    cover = cover * (parameters["density"] + (1 - parameters["density"]) * 0.5 * (stroke - 0.5))
+    radius = np.linalg.norm(points - np.asarray(SKULL_CENTRE_MM), axis=-1)
+    cover = np.where(radius > _skull_radius(azimuth, polar) + _EAR_CLEARANCE_MM, 0.0, cover)
+    return np.clip(cover, 0.0, 1.0).astype(np.float32)
+
+
+def bald_polar(azimuth: Floats, bald_deg: float) -> Floats:
+    """Return the polar angle of the upper rim of a horseshoe of hair, degrees."""
+    return np.asarray(bald_deg * (1.08 + 0.12 * np.cos(np.deg2rad(azimuth))), dtype=np.float64)
+
+
+def _strokes(rng: np.random.Generator, azimuth: Floats, polar: Floats) -> Floats:
+    """Streaks along the strands, 0..1: fine noise over azimuth that drifts slowly with height."""
+    table = _blur(rng.random((24, 720)), 3)
+    table = (table - table.min()) / np.ptp(table)
+    rows = np.clip(polar / 180.0 * 23.0, 0.0, 23.0)
+    columns = (azimuth % 360.0) * 2.0
+    return np.asarray(map_coordinates(table, [rows, columns], order=1, mode="grid-wrap"))
+
+
+def _skull_radius(azimuth: Floats, polar: Floats) -> Floats:
+    template = load_anchors().template
+    radius = np.linalg.norm(template - np.asarray(SKULL_CENTRE_MM), axis=-1)
+    rows = (azimuth % 360.0) * (AZIMUTHS / 360.0)
+    columns = np.clip(polar / POLAR_STEP_DEG, 0.0, radius.shape[1] - 1.0)
+    wrapped = np.concatenate([radius, radius[:1]], axis=0)
+    return np.asarray(map_coordinates(wrapped, [rows, columns], order=1, mode="nearest"))
+
+
+def _blur(values: Floats, width: int) -> Floats:
+    """Running mean along the last axis, edges repeated."""
+    pad = [(0, 0)] * (values.ndim - 1) + [(width // 2 + 1, width // 2)]
+    total = np.cumsum(np.pad(values, pad, mode="edge"), axis=-1)
+    return (total[..., width:] - total[..., :-width]) / width
+
+
+def smoothstep(x: Floats) -> Floats:
+    """Rise smoothly from 0 at x <= 0 to 1 at x >= 1."""
+    x = np.clip(x, 0.0, 1.0)
+    return x * x * (3.0 - 2.0 * x)

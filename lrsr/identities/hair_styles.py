@@ -1,0 +1,398 @@
+"""Which hair does a person wear? Styles as tables of ranges, drawn by sex, age and ancestry.
+
+A style is a set of plain numbers: where strands start (a parting or a whorl), where they end (the
+hairline or a lower edge in mm), how thick the hair lies on the skull, and how it clumps and waves.
+:mod:`lrsr.identities.hair` turns the numbers into one mesh, the same mesh for all styles.
+
+Positions on the skull are degrees of the chart in :mod:`lrsr.identities.hair_anchors`; heights are
+mm in the template's head frame (0 = pupils, about -105 = chin).
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lrsr.errors import InputError
+from lrsr.identities.hair_colour import HairColour, hair_rgb, sample_hair_colour
+
+Range = tuple[float, float]
+
+LOWER_AZIMUTHS_DEG = (0.0, 35.0, 60.0, 85.0, 115.0, 180.0)
+"""Azimuths of the six numbers of ``lower_mm``: brow, temple, cheek, ear, behind the ear, nape."""
+
+AT_HAIRLINE_MM = 300.0
+"""A lower edge above everything: strands end at the hairline."""
+
+ANCESTRIES = ("african", "asian", "caucasian")
+
+_SHORT: dict[str, Range] = {
+    "parting_deg": (0.0, 0.0),
+    "parting_length": (0.0, 0.0),
+    "crown_x_deg": (-6.0, 6.0),
+    "crown_z_deg": (-30.0, -16.0),
+    "front_left_deg": (0.0, 0.0),
+    "front_right_deg": (0.0, 0.0),
+    "bow": (0.0, 0.0),
+    "top_mm": (10.0, 18.0),
+    "side_mm": (4.0, 8.0),
+    "back_mm": (5.0, 9.0),
+    "front_lift_mm": (0.0, 6.0),
+    "lean_mm": (-4.0, 4.0),
+    "taper_mm": (14.0, 26.0),
+    "tip_mm": (2.0, 4.0),
+    "parting_dip": (0.0, 0.0),
+    "hang": (0.0, 0.0),
+    "wave_mm": (0.0, 0.8),
+    "wave_period_mm": (30.0, 50.0),
+    "clump_mm": (1.0, 2.2),
+    "clump_scale_mm": (7.0, 14.0),
+    "ragged_mm": (5.0, 9.0),
+    "curl_mm": (0.0, 1.0),
+    "flyaway_mm": (1.0, 2.5),
+    "density": (0.9, 1.0),
+    "trim_side_deg": (0.0, 5.0),
+    "trim_back_deg": (0.0, 10.0),
+    "bald_deg": (0.0, 0.0),
+    "sunk_mm": (0.0, 0.0),
+}
+
+_LONG: dict[str, Range] = _SHORT | {
+    "parting_length": (0.7, 1.0),
+    "parting_deg": (-6.0, 6.0),
+    "front_left_deg": (48.0, 60.0),
+    "front_right_deg": (48.0, 60.0),
+    "bow": (0.05, 0.3),
+    "top_mm": (7.0, 14.0),
+    "side_mm": (7.0, 14.0),
+    "back_mm": (8.0, 15.0),
+    "front_lift_mm": (0.0, 3.0),
+    "taper_mm": (8.0, 16.0),
+    "tip_mm": (5.0, 9.0),
+    "parting_dip": (0.5, 0.8),
+    "hang": (0.85, 1.0),
+    "clump_mm": (1.5, 3.0),
+    "clump_scale_mm": (9.0, 18.0),
+    "ragged_mm": (10.0, 25.0),
+    "trim_side_deg": (0.0, 0.0),
+    "trim_back_deg": (0.0, 0.0),
+}
+
+_RANGES: dict[str, dict[str, Range]] = {
+    "shaved": _SHORT | {"sunk_mm": (10.0, 10.0), "density": (0.12, 0.6)},
+    "buzz": _SHORT
+    | {
+        "top_mm": (2.0, 5.0),
+        "side_mm": (1.2, 3.0),
+        "back_mm": (1.5, 3.0),
+        "front_lift_mm": (0.0, 0.5),
+        "lean_mm": (0.0, 0.0),
+        "taper_mm": (8.0, 14.0),
+        "clump_mm": (0.2, 0.5),
+        "flyaway_mm": (0.2, 0.6),
+        "wave_mm": (0.0, 0.0),
+        "density": (0.65, 0.95),
+    },
+    "crop": _SHORT | {"fringe_mm": (-6.0, 12.0)},
+    "side_parting": _SHORT
+    | {
+        "parting_deg": (16.0, 30.0),
+        "parting_length": (0.8, 1.0),
+        "front_left_deg": (34.0, 44.0),
+        "front_right_deg": (46.0, 62.0),
+        "bow": (0.1, 0.35),
+        "top_mm": (11.0, 20.0),
+        "side_mm": (5.0, 10.0),
+        "front_lift_mm": (3.0, 14.0),
+        "parting_dip": (0.5, 0.9),
+    },
+    "receding": _SHORT
+    | {
+        "top_mm": (4.0, 10.0),
+        "hairline_deg": (4.0, 14.0),
+        "recession_deg": (8.0, 18.0),
+        "density": (0.55, 0.85),
+        "taper_mm": (20.0, 35.0),
+    },
+    "horseshoe": _SHORT
+    | {
+        "bald_deg": (44.0, 60.0),
+        "side_mm": (3.0, 10.0),
+        "back_mm": (4.0, 10.0),
+        "density": (0.6, 0.95),
+        "taper_mm": (12.0, 22.0),
+    },
+    "quiff": _SHORT
+    | {
+        "crown_z_deg": (-52.0, -40.0),
+        "top_mm": (12.0, 22.0),
+        "side_mm": (2.5, 6.0),
+        "front_lift_mm": (8.0, 24.0),
+        "taper_mm": (10.0, 18.0),
+        "clump_mm": (1.5, 3.0),
+        "trim_side_deg": (0.0, 8.0),
+    },
+    "slicked_back": _SHORT
+    | {
+        "crown_z_deg": (-70.0, -55.0),
+        "top_mm": (5.0, 11.0),
+        "side_mm": (4.0, 8.0),
+        "back_mm": (7.0, 12.0),
+        "clump_mm": (0.8, 1.8),
+        "taper_mm": (12.0, 20.0),
+    },
+    "curly": _SHORT
+    | {
+        "top_mm": (14.0, 28.0),
+        "side_mm": (6.0, 16.0),
+        "back_mm": (7.0, 16.0),
+        "clump_mm": (3.0, 5.5),
+        "clump_scale_mm": (7.0, 11.0),
+        "curl_mm": (3.0, 5.0),
+        "flyaway_mm": (4.0, 7.0),
+        "fringe_mm": (-4.0, 10.0),
+        "taper_mm": (8.0, 16.0),
+    },
+    "afro": _SHORT
+    | {
+        "top_mm": (26.0, 62.0),
+        "side_mm": (20.0, 56.0),
+        "back_mm": (20.0, 50.0),
+        "clump_mm": (2.5, 4.5),
+        "clump_scale_mm": (6.0, 10.0),
+        "curl_mm": (2.5, 4.0),
+        "flyaway_mm": (5.0, 8.0),
+        "taper_mm": (20.0, 34.0),
+        "ragged_mm": (3.0, 6.0),
+    },
+    "pixie": _SHORT
+    | {
+        "parting_deg": (14.0, 26.0),
+        "parting_length": (0.5, 0.9),
+        "crown_z_deg": (-30.0, -18.0),
+        "top_mm": (12.0, 20.0),
+        "side_mm": (7.0, 12.0),
+        "fringe_mm": (8.0, 34.0),
+        "ragged_mm": (8.0, 14.0),
+    },
+    "curtain": _LONG
+    | {
+        "low_side_mm": (-45.0, 5.0),
+        "low_back_mm": (-80.0, -40.0),
+        "front_left_deg": (44.0, 56.0),
+        "front_right_deg": (44.0, 56.0),
+        "hang": (0.5, 0.9),
+        "front_lift_mm": (3.0, 10.0),
+    },
+    "bob": _LONG
+    | {
+        "parting_deg": (-22.0, 22.0),
+        "low_side_mm": (-125.0, -60.0),
+        "low_back_mm": (-115.0, -70.0),
+        "tip_mm": (6.0, 12.0),
+    },
+    "long_straight": _LONG
+    | {
+        "parting_deg": (-18.0, 18.0),
+        "low_side_mm": (-240.0, -150.0),
+        "low_back_mm": (-240.0, -150.0),
+    },
+    "long_wavy": _LONG
+    | {
+        "parting_deg": (-22.0, 22.0),
+        "low_side_mm": (-220.0, -110.0),
+        "low_back_mm": (-220.0, -120.0),
+        "wave_mm": (3.5, 8.0),
+        "wave_period_mm": (38.0, 75.0),
+        "side_mm": (10.0, 20.0),
+        "back_mm": (10.0, 20.0),
+        "clump_mm": (2.5, 5.0),
+        "curl_mm": (1.5, 3.5),
+        "flyaway_mm": (2.5, 5.0),
+    },
+    "fringe": _LONG
+    | {
+        "parting_length": (0.0, 0.0),
+        "parting_deg": (0.0, 0.0),
+        "front_left_deg": (0.0, 0.0),
+        "front_right_deg": (0.0, 0.0),
+        "parting_dip": (0.0, 0.0),
+        "fringe_mm": (28.0, 48.0),
+        "low_side_mm": (-220.0, -70.0),
+        "low_back_mm": (-220.0, -80.0),
+    },
+    "tucked": _LONG
+    | {
+        "parting_deg": (-18.0, 18.0),
+        "low_back_mm": (-220.0, -90.0),
+        "hang": (0.6, 0.9),
+        "side_mm": (4.0, 8.0),
+    },
+    "pulled_back": _SHORT
+    | {
+        "crown_z_deg": (-90.0, -60.0),
+        "top_mm": (4.0, 9.0),
+        "side_mm": (3.5, 6.5),
+        "back_mm": (5.0, 10.0),
+        "taper_mm": (12.0, 22.0),
+        "clump_mm": (0.6, 1.4),
+        "ragged_mm": (4.0, 7.0),
+        "tail_mm": (0.0, 180.0),
+        "trim_side_deg": (0.0, 0.0),
+        "trim_back_deg": (0.0, 0.0),
+    },
+}
+
+STYLES: tuple[str, ...] = tuple(_RANGES)
+
+_ALL: dict[str, Range] = {
+    "hairline_deg": (-5.0, 5.0),
+    "recession_deg": (-3.0, 4.0),
+    "peak_deg": (-1.0, 4.0),
+    "tilt_deg": (-2.0, 2.0),
+    "sideburn_mm": (-12.0, 12.0),
+    "nape_deg": (-8.0, 6.0),
+    "fringe_mm": (0.0, 0.0),
+    "low_side_mm": (AT_HAIRLINE_MM, AT_HAIRLINE_MM),
+    "low_back_mm": (AT_HAIRLINE_MM, AT_HAIRLINE_MM),
+    "tail_mm": (0.0, 0.0),
+}
+
+# Weights of the styles: (men, women). Ancestry and age change them in _style_weights.
+_WEIGHTS: dict[str, tuple[float, float]] = {
+    "shaved": (1.0, 0.02),
+    "buzz": (1.3, 0.08),
+    "crop": (1.8, 0.25),
+    "side_parting": (1.6, 0.2),
+    "receding": (0.9, 0.0),
+    "horseshoe": (0.5, 0.0),
+    "quiff": (1.2, 0.1),
+    "slicked_back": (0.8, 0.3),
+    "curly": (0.9, 0.5),
+    "afro": (0.15, 0.3),
+    "pixie": (0.3, 0.9),
+    "curtain": (0.6, 0.4),
+    "bob": (0.1, 1.6),
+    "long_straight": (0.2, 1.5),
+    "long_wavy": (0.2, 1.6),
+    "fringe": (0.05, 1.3),
+    "tucked": (0.3, 1.1),
+    "pulled_back": (0.2, 1.4),
+}
+
+
+def sample_hair(
+    rng: np.random.Generator,
+    masculinity: float,
+    age: float,
+    ancestry: Mapping[str, float],
+    colour: HairColour | None = None,
+) -> dict[str, Any]:
+    """Draw the hair of one person.
+
+    Args:
+        rng: The only source of chance.
+        masculinity: 0 (female) to 1 (male).
+        age: 0 (25 years) to 1 (old).
+        ancestry: Shares of "african", "asian" and "caucasian", any positive sum.
+        colour: The person's hair pigments; drawn here when not given.
+
+    Returns:
+        Plain numbers, strings and lists: ``style``, ``hair_colour`` (pigmented strands, linear RGB,
+        0..1), ``grey`` (share of grey strands, 0..1) and the numbers of the style.
+
+    Raises:
+        InputError: The ancestry has no share of any known kind.
+    """
+    shares = _shares(ancestry)
+    weights = _style_weights(masculinity, age, shares)
+    style = STYLES[int(rng.choice(len(STYLES), p=weights))]
+    parameters = style_parameters(style, rng)
+    ageing = max(age - 0.25, 0.0) * (0.3 + 0.7 * masculinity)
+    if style not in ("receding", "horseshoe"):
+        parameters["hairline_deg"] += 7.0 * ageing * float(rng.uniform(0.2, 1.0))
+        parameters["recession_deg"] += (
+            14.0 * ageing * float(rng.uniform(0.0, 1.0)) + 2.0 * masculinity
+        )
+    curliness = shares["african"]
+    if style not in ("shaved", "afro"):
+        for key, gain in (("curl_mm", 2.5), ("clump_mm", 0.8), ("wave_mm", 1.5)):
+            parameters[key] += gain * curliness * float(rng.uniform(0.4, 1.0))
+    if colour is None:
+        colour = sample_hair_colour(rng, age=age, ancestry=[shares[name] for name in ANCESTRIES])
+    return parameters | colour_parameters(colour)
+
+
+def colour_parameters(colour: HairColour) -> dict[str, Any]:
+    """Return ``hair_colour`` (pigmented strands, linear RGB, 0..1) and ``grey`` (0..1)."""
+    return {
+        "hair_colour": [float(c) for c in hair_rgb(colour, grey=0.0)],
+        "grey": float(colour["grey"]),
+    }
+
+
+def style_parameters(style: str, rng: np.random.Generator) -> dict[str, Any]:
+    """Draw the numbers of one given style, colour excepted.
+
+    Raises:
+        InputError: There is no such style.
+    """
+    if style not in _RANGES:
+        raise InputError(f"no hair style {style!r}: choose one of {', '.join(STYLES)}")
+    ranges = _ALL | _RANGES[style]
+    values: dict[str, Any] = {"style": style}
+    for key, (low, high) in ranges.items():
+        values[key] = float(rng.uniform(low, high)) if high > low else float(low)
+    if rng.random() < 0.5:
+        values["parting_deg"] = -values["parting_deg"]
+        left, right = values["front_left_deg"], values["front_right_deg"]
+        values["front_left_deg"], values["front_right_deg"] = right, left
+    values["lower_mm"] = _lower_edge(values, rng)
+    return values
+
+
+def _shares(ancestry: Mapping[str, float]) -> dict[str, float]:
+    total = sum(float(ancestry.get(name, 0.0)) for name in ANCESTRIES)
+    if not total > 0:
+        raise InputError(f"ancestry {dict(ancestry)} has no share of {', '.join(ANCESTRIES)}")
+    return {name: float(ancestry.get(name, 0.0)) / total for name in ANCESTRIES}
+
+
+def _style_weights(
+    masculinity: float, age: float, shares: Mapping[str, float]
+) -> NDArray[np.float64]:
+    weights = {
+        s: masculinity * men + (1.0 - masculinity) * women for s, (men, women) in _WEIGHTS.items()
+    }
+    african, asian = shares["african"], shares["asian"]
+    weights["afro"] *= 0.15 + 9.0 * african**2
+    weights["curly"] *= 0.5 + 2.2 * african + 0.3 * (1.0 - asian)
+    for style in ("buzz", "shaved"):
+        weights[style] *= 1.0 + 0.8 * african
+    for style in ("side_parting", "quiff", "curtain", "long_straight", "fringe", "bob", "tucked"):
+        weights[style] *= 1.0 - 0.65 * african
+    for style in ("fringe", "long_straight"):
+        weights[style] *= 1.0 + 0.5 * asian
+    for style in ("receding", "horseshoe"):
+        weights[style] *= 0.1 + 2.4 * age
+    for style in ("pixie", "bob"):
+        weights[style] *= 1.0 + age
+    for style in ("quiff", "curtain", "afro", "long_wavy"):
+        weights[style] *= 1.3 - age
+    values = np.array([weights[s] for s in STYLES])
+    return values / values.sum()
+
+
+def _lower_edge(values: Mapping[str, Any], rng: np.random.Generator) -> list[float]:
+    """Return the heights of the lower edge at :data:`LOWER_AZIMUTHS_DEG`, mm."""
+    side, back = values["low_side_mm"], values["low_back_mm"]
+    if back == AT_HAIRLINE_MM:
+        return [AT_HAIRLINE_MM] * 6
+    if values["style"] == "tucked":
+        return [AT_HAIRLINE_MM] * 4 + [back, back]
+    behind = 0.5 * (side + back) + float(rng.uniform(-6.0, 6.0))
+    front = AT_HAIRLINE_MM if values["front_left_deg"] == 0.0 else side
+    if values["style"] == "fringe":
+        return [AT_HAIRLINE_MM, AT_HAIRLINE_MM, side, side, behind, back]
+    return [front, front, side, side, behind, back]
