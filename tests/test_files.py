@@ -1,0 +1,121 @@
+"""A file is there whole or not at all, whatever happens."""
+
+import errno
+import json
+import os
+import signal
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lrsr.errors import InputError
+from lrsr.files import replacing, sweep, write_bytes, write_json, write_text
+
+HANG_WHILE_WRITING = """
+import sys, time
+from pathlib import Path
+from lrsr.files import replacing
+with replacing(Path(sys.argv[1])) as temporary:
+    temporary.write_bytes(b"half")
+    print("writing", flush=True)
+    time.sleep(60)
+"""
+
+
+def write_half(path: Path, failure: Exception) -> None:
+    with replacing(path) as temporary:
+        temporary.write_text("half")
+        raise failure
+
+
+def test_what_is_written_is_what_is_read(tmp_path: Path) -> None:
+    write_bytes(tmp_path / "new" / "folder" / "a", b"\x00\xff")
+    write_text(tmp_path / "b", "é\n")
+    assert (tmp_path / "new" / "folder" / "a").read_bytes() == b"\x00\xff"
+    assert (tmp_path / "b").read_bytes() == b"\xc3\xa9\n"
+
+
+@pytest.mark.parametrize("durable", [True, False])
+def test_an_old_file_is_replaced_and_nothing_else_left(tmp_path: Path, durable: bool) -> None:
+    write_bytes(tmp_path / "a", b"old")
+    write_bytes(tmp_path / "a", b"new", durable=durable)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}
+
+
+def test_only_a_durable_write_waits_for_the_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits: list[int] = []
+    monkeypatch.setattr(os, "fsync", waits.append)
+    write_bytes(tmp_path / "a", b"", durable=False)
+    assert waits == []
+    write_bytes(tmp_path / "a", b"")
+    assert len(waits) == 1
+
+
+def test_others_may_read_what_the_users_mask_lets_them(tmp_path: Path) -> None:
+    mask = os.umask(0o027)
+    try:
+        write_text(tmp_path / "a", "")
+    finally:
+        os.umask(mask)
+    assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o640
+
+
+def test_a_failure_leaves_the_old_file_and_no_other(tmp_path: Path) -> None:
+    write_text(tmp_path / "a", "old")
+    with pytest.raises(ZeroDivisionError):
+        write_half(tmp_path / "a", ZeroDivisionError())
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "old"}
+
+
+def test_a_full_disk_is_one_line_and_leaves_the_old_file(tmp_path: Path) -> None:
+    write_text(tmp_path / "a", "old")
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    with pytest.raises(InputError, match=r"cannot write .*a: No space left on device; free space"):
+        write_half(tmp_path / "a", full)
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "old"}
+
+
+def test_a_folder_that_is_a_file_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match=r"cannot write .*file/a"):
+        write_text(tmp_path / "file" / "a", "")
+
+
+def test_json_is_indented_and_ends_with_a_line(tmp_path: Path) -> None:
+    write_json(tmp_path / "a.json", {"auc": 0.5})
+    text = (tmp_path / "a.json").read_text()
+    assert json.loads(text) == {"auc": 0.5}
+    assert text == '{\n  "auc": 0.5\n}\n'
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_json_refuses_what_is_no_number(tmp_path: Path, value: float) -> None:
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        write_json(tmp_path / "a.json", {"auc": value})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_sweeping_removes_what_a_killed_writer_left_and_not_what_a_live_one_writes(
+    tmp_path: Path,
+) -> None:
+    write_text(tmp_path / "kept", "kept")
+    with subprocess.Popen(
+        [sys.executable, "-c", HANG_WHILE_WRITING, str(tmp_path / "a")], stdout=subprocess.PIPE
+    ) as writer:
+        assert writer.stdout is not None
+        assert writer.stdout.readline() == b"writing\n"
+        assert sweep(tmp_path) == 0
+        assert len(list(tmp_path.glob(".a.*.part"))) == 1
+        writer.send_signal(signal.SIGKILL)
+        writer.wait()
+    assert sweep(tmp_path) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["kept"]
+
+
+def test_sweeping_a_folder_that_is_not_there_finds_nothing(tmp_path: Path) -> None:
+    assert sweep(tmp_path / "none") == 0
