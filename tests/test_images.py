@@ -5,6 +5,7 @@ import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles import bicubic
 from skimage.color import rgb2ycbcr
 
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
@@ -18,7 +19,6 @@ from lrsr.images import (
     srgb_to_linear,
     ycbcr_to_rgb,
 )
-from tests.oracles import bicubic
 
 
 def noise(*shape: int, seed: int = 0) -> torch.Tensor:
