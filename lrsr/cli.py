@@ -107,34 +107,51 @@ def _run(name: str, overrides: list[str]) -> None:
 
     arguments = sys.argv
     sys.argv = [f"lrsr {name}", *overrides]
+    failures: list[Exception] = []
+    task = _task(command.task, failures)
     try:
-        hydra.main(version_base="1.3", config_path=str(folder), config_name=name)(
-            _task(command.task)
-        )()
+        hydra.main(version_base="1.3", config_path=str(folder), config_name=name)(task)()
     finally:
         sys.argv = arguments
+    if failures:
+        raise failures[0]
 
 
-def _task(path: str) -> "Callable[[DictConfig], None]":
+def _task(path: str, failures: list[Exception]) -> "Callable[[DictConfig], None]":
+    """Wrap a task for Hydra, which would print a line of its own about what it lets through.
+
+    In a multirun the jobs after a failed one are still done.
+    """
     module, function = path.split(":")
 
     def run(config: "DictConfig") -> None:
         task: Callable[[DictConfig], Path] = getattr(importlib.import_module(module), function)
-        sys.stdout.write(f"{task(config)}\n")
+        try:
+            sys.stdout.write(f"{task(config)}\n")
+        except Exception as error:
+            failures.append(error)
 
     return run
 
 
 def _explain(error: BaseException) -> int:
     """Say what went wrong in one line on stderr; return 2 for the user's input, 1 for ours."""
-    from hydra.errors import HydraException  # only on the way out
-    from omegaconf.errors import OmegaConfBaseException  # only on the way out
+    from hydra.errors import HydraException  # a quarter of a second, only on the way out
+    from omegaconf.errors import (
+        InterpolationToMissingValueError,
+        MissingMandatoryValue,
+        OmegaConfBaseException,
+    )
 
     cause: BaseException | None = error
     while cause is not None and not isinstance(cause, InputError):
         cause = cause.__cause__
     if cause is not None:
         sys.stderr.write(f"lrsr: {_one_line(cause)}\n")
+        return 2
+    if isinstance(error, MissingMandatoryValue | InterpolationToMissingValueError):
+        key = _one_line(error).rsplit(": ", maxsplit=1)[-1]
+        sys.stderr.write(f"lrsr: {key} must be given: add {key}=...\n")
         return 2
     if isinstance(error, HydraException | OmegaConfBaseException):
         sys.stderr.write(f"lrsr: {_one_line(error)} (--cfg job prints every setting)\n")
@@ -147,4 +164,7 @@ def _explain(error: BaseException) -> int:
 
 
 def _one_line(error: BaseException) -> str:
-    return "; ".join(line.strip() for line in str(error).splitlines() if line.strip())
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    if "Config search path:" in lines:  # Hydra's own folders help nobody
+        lines = lines[: lines.index("Config search path:")]
+    return "; ".join(line for line in lines if not line.startswith(("full_key", "object_type")))

@@ -1,16 +1,15 @@
 """What can be asked of a verification experiment, checked before any work begins."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-from lrsr.errors import InputError
+from lrsr.configuration import number, numbers, require, section, whole_number, whole_numbers, words
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 COMPRESSIONS = ("none", "small", "heavy")
 SPLITS = ("train", "validation", "test")
-Schema = TypeVar("Schema")
 
 
 @dataclass(frozen=True)
@@ -22,9 +21,9 @@ class IdentityRange:
     count: int = 100
 
     def __post_init__(self) -> None:
-        _require(self.split in SPLITS, "identities.split", self.split, f"one of {SPLITS}")
-        _require(self.start >= 0, "identities.start", self.start, "at least 0")
-        _require(self.count >= 2, "identities.count", self.count, "at least 2")
+        require(self.split in SPLITS, "identities.split", self.split, f"one of {SPLITS}")
+        require(self.start >= 0, "identities.start", self.start, "at least 0")
+        require(self.count >= 1, "identities.count", self.count, "at least 1")
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ class RenderingSettings:
 
     def __post_init__(self) -> None:
         for key in ("samples_per_pixel", "max_depth", "texture_size"):
-            _require(getattr(self, key) >= 1, f"rendering.{key}", getattr(self, key), "at least 1")
+            require(getattr(self, key) >= 1, f"rendering.{key}", getattr(self, key), "at least 1")
 
 
 @dataclass(frozen=True)
@@ -51,8 +50,8 @@ class GallerySettings:
     samples_per_pixel: int = 64
 
     def __post_init__(self) -> None:
-        _require(self.ipd_px >= 4, "gallery.ipd_px", self.ipd_px, "at least 4")
-        _require(
+        require(self.ipd_px >= 4, "gallery.ipd_px", self.ipd_px, "at least 4")
+        require(
             self.samples_per_pixel >= 1,
             "gallery.samples_per_pixel",
             self.samples_per_pixel,
@@ -79,8 +78,8 @@ class Condition:
     compression: str
 
     def __post_init__(self) -> None:
-        _require(self.ipd_px >= 4, "ipd_px", self.ipd_px, "at least 4")
-        _require(
+        require(self.ipd_px >= 4, "ipd_px", self.ipd_px, "at least 4")
+        require(
             self.compression in COMPRESSIONS,
             "compression",
             self.compression,
@@ -115,9 +114,11 @@ class VerificationSettings:
     level: float
 
     def __post_init__(self) -> None:
-        _require(len(self.conditions) > 0, "options", [], "at least one")
-        _require(len(self.methods) > 0, "methods", [], "at least one")
-        _require(0 < self.level < 1, "level", self.level, "between 0 and 1")
+        count = self.identities.count
+        require(count >= 2, "identities.count", count, "at least 2: nobody is an impostor alone")
+        require(len(self.conditions) > 0, "options", [], "at least one")
+        require(len(self.methods) > 0, "methods", [], "at least one")
+        require(0 < self.level < 1, "level", self.level, "between 0 and 1")
 
 
 def verification_settings(config: "DictConfig") -> VerificationSettings:
@@ -131,59 +132,20 @@ def verification_settings(config: "DictConfig") -> VerificationSettings:
         name=str(config.name),
         question=str(config.question),
         conditions=_conditions(config),
-        methods=tuple(str(method) for method in config.methods),
+        methods=tuple(words(config, "methods")),
         identities=section(IdentityRange, config, "identities"),
         gallery=section(GallerySettings, config, "gallery"),
         rendering=section(RenderingSettings, config, "rendering"),
-        seed=_number(config.seed, "seed", int),
-        level=_number(config.level, "level", float),
+        seed=whole_number(config, "seed"),
+        level=number(config, "level"),
     )
 
 
-def section(schema: type[Schema], config: "DictConfig", key: str) -> Schema:
-    """Read one section of a configuration into its dataclass, with its types.
-
-    Raises:
-        InputError: A value is out of range or has the wrong type; the message names the setting.
-    """
-    from omegaconf import OmegaConf  # loaded by Hydra anyway
-    from omegaconf.errors import OmegaConfBaseException
-
-    try:
-        merged = OmegaConf.merge(OmegaConf.structured(schema), config[key])
-        values = OmegaConf.to_container(merged, resolve=True)
-    except OmegaConfBaseException as error:
-        place = getattr(error, "full_key", None)
-        name = f"{key}.{place}" if place else key
-        raise InputError(f"{name}: {str(error).splitlines()[0]}") from error
-    return schema(**values)  # type: ignore[arg-type]  # str keys: the fields of the schema
-
-
 def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
-    from omegaconf import ListConfig  # loaded by Hydra anyway
-
     table = config.conditions
-    sizes = list(config.ipd_px) if isinstance(config.ipd_px, ListConfig) else [config.ipd_px]
-    options = list(config.options) if isinstance(config.options, ListConfig) else [config.options]
     conditions = []
-    for ipd_px in sizes:
-        for option in options:
-            _require(option in table, "options", option, f"one of {sorted(table)}")
-            conditions.append(
-                Condition(option=option, ipd_px=_number(ipd_px, "ipd_px", float), **table[option])
-            )
+    for ipd_px in numbers(config, "ipd_px"):
+        for option in whole_numbers(config, "options"):
+            require(option in table, "options", option, f"one of {sorted(table)}")
+            conditions.append(Condition(option=option, ipd_px=ipd_px, **table[option]))
     return tuple(conditions)
-
-
-_Number = TypeVar("_Number", int, float)
-
-
-def _number(value: object, key: str, kind: type[_Number]) -> _Number:
-    if isinstance(value, bool) or not isinstance(value, int | float) or kind(value) != value:
-        raise InputError(f"{key}={value}: wanted {'a whole' if kind is int else 'a'} number")
-    return kind(value)
-
-
-def _require(holds: bool, key: str, value: object, wanted: str) -> None:
-    if not holds:
-        raise InputError(f"{key}={value}: wanted {wanted}")
