@@ -3,13 +3,11 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, is_dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import asdict, dataclass, is_dataclass, replace
+from typing import Any, Literal
 
 from lrsr.errors import InputError
-
-if TYPE_CHECKING:
-    from lrsr.rendering.scene import Lighting, Pose
+from lrsr.rendering.scene import Lighting, Pose, find_lighting, find_pose
 
 Split = Literal["train", "validation", "test"]
 Kind = Literal["probe", "gallery"]
@@ -37,14 +35,14 @@ class ProbeRecipe:
         max_depth: Longest light path.
 
     Raises:
-        InputError: A value is out of its range.
+        InputError: A value is out of its range, or there is no such pose or lighting.
     """
 
     split: Split
     index: int
     kind: Kind = "probe"
-    pose: "str | Pose" = "frontal"
-    lighting: "str | Lighting" = "frontal"
+    pose: str | Pose = "frontal"
+    lighting: str | Lighting = "frontal"
     ipd_px: float = 8.0
     scale: int = 1
     samples_per_pixel: int = 2048
@@ -69,6 +67,8 @@ class ProbeRecipe:
         for name, (holds, wish) in wanted.items():
             if not holds:
                 raise InputError(f"{name}={getattr(self, name)}: wanted {wish}")
+        find_pose(self.pose)
+        find_lighting(self.lighting)
 
     @property
     def identity_id(self) -> str:
@@ -84,11 +84,13 @@ class ProbeRecipe:
         """Return everything that changes the pixels, as numbers, strings, lists and mappings.
 
         ``kind`` is left out: a gallery picture and a probe of the same light are the same pixels.
+        Poses and lightings go in as their angles and lights, named or not.
 
         Args:
             versions: Of the code that makes them, e.g. ``{"renderer": "3", "variant": ...}``.
         """
-        values = asdict(self)
+        pose, lighting = find_pose(self.pose), find_lighting(self.lighting)
+        values = asdict(replace(self, pose=pose, lighting=lighting))
         del values["kind"]
         return {**values, "versions": dict(versions)}
 
