@@ -6,6 +6,7 @@ trait has a random stream of its own, so a change to one of them leaves the othe
 All people are adults.
 """
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -14,7 +15,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from lrsr.identities.basis import BaseHead, Basis, Surface, load_basis
+from lrsr.identities.appearance import SkinPainter, sample_appearance
+from lrsr.identities.basis import BaseHead, Basis, load_basis
 from lrsr.identities.eyes import (
     Eyes,
     LashMesh,
@@ -26,7 +28,9 @@ from lrsr.identities.eyes import (
     make_lashes,
     unit_ball,
 )
+from lrsr.identities.hair import build_hair, mean_colour, sample_hair, scalp_mask
 from lrsr.identities.head import Head, Part
+from lrsr.identities.iris import paint_eye
 from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.shape import RACES, coefficients, sample_anatomy
 
@@ -37,6 +41,7 @@ STREAMS = ("person", "anatomy", "appearance", "skin", "hair", "eyes")
 """One independent source of chance for each; append, never reorder."""
 
 EYE_TEXTURE = 256
+LASH_ALBEDO = 0.015
 
 
 def stream(seed: int, name: str) -> Generator:
@@ -72,6 +77,13 @@ def sample_parameters(seed: int) -> dict[str, Any]:
     masculinity = float(np.clip(rng.beta(0.35, 0.35), 0.04, 0.96))
     age = float(rng.beta(1.1, 1.5))
     shares = rng.dirichlet([0.45] * len(RACES))
+    ancestry = {race: float(share) for race, share in zip(RACES, shares, strict=True)}
+    appearance = sample_appearance(
+        stream(seed, "appearance"), masculinity=masculinity, age=age, ancestry=shares
+    )
+    hair = sample_hair(
+        stream(seed, "hair"), masculinity, age, ancestry, colour=appearance["hair_colour"]
+    )
     return {
         "seed": seed,
         "recipe": RECIPE_VERSION,
@@ -79,10 +91,12 @@ def sample_parameters(seed: int) -> dict[str, Any]:
         "masculinity": masculinity,
         "age": age,
         "age_years": 25.0 + 50.0 * age,
-        "ancestry": {race: float(share) for race, share in zip(RACES, shares, strict=True)},
+        "ancestry": ancestry,
         "anatomy": sample_anatomy(
             load_basis().names, stream(seed, "anatomy"), masculinity=masculinity, age=age
         ),
+        "appearance": appearance,
+        "hair": hair,
     }
 
 
@@ -154,8 +168,32 @@ def position_map(texture_size: int) -> PositionMap:
     return PositionMap(fill_outside(drawn, mask).astype(np.float32), mask)
 
 
-def _make_landmarks(surface: Surface, skin: NDArray[np.float64], eyes: Eyes) -> NDArray[np.float64]:
-    return np.concatenate([eyes.pupils, skin[surface.landmarks]])
+@lru_cache(maxsize=2)
+def _painter(texture_size: int) -> SkinPainter:
+    return SkinPainter(*position_map(texture_size))
+
+
+def _paint_skin(parameters: Mapping[str, Any], texture_size: int) -> NDArray[np.float32]:
+    """Paint the skin and, where hair stands, its roots."""
+    seed, hair = parameters["seed"], parameters["hair"]
+    albedo = _painter(texture_size).paint(parameters["appearance"], seed).albedo
+    roots = scalp_mask(hair, position_map(texture_size).points, seed)[..., None]
+    return (albedo + roots * (mean_colour(hair).astype(np.float32) - albedo)).astype(np.float32)
+
+
+def _make_eyes(eyes: Eyes, parameters: Mapping[str, Any]) -> Iterator[Part]:
+    """Make both eyeballs, left in the image first."""
+    ball, rng = unit_ball(), stream(parameters["seed"], "eyes")
+    for which, name in enumerate(("left_eye", "right_eye")):
+        iris = paint_eye(parameters["appearance"]["iris"], rng, texture_size=EYE_TEXTURE)
+        yield Part(name, "eye", eyeball_vertices(eyes, which), ball.faces, ball.uv, iris)
+
+
+def _make_lashes(strips: NDArray[np.float64]) -> Part:
+    lashes = template().lashes
+    uv = np.full((lashes.faces.size, 2), 0.5, np.float32)
+    albedo = np.full((4, 4, 3), LASH_ALBEDO, np.float32)
+    return Part("lashes", "lash", lashes.place(strips), lashes.faces, uv, albedo)
 
 
 def sample_head(seed: int, *, texture_size: int = 512) -> Head:
@@ -166,14 +204,13 @@ def sample_head(seed: int, *, texture_size: int = 512) -> Head:
         texture_size: Rows and columns of the skin's texture, >= 64.
 
     Returns:
-        The head; the same arguments give the same bytes. Names, faces, uv and texture sizes of the
-        parts are the same for all seeds.
+        The head: parts "skin", "left_eye", "right_eye" (as seen in the image), "lashes", "hair". The
+        same arguments give the same bytes; faces, uv and texture sizes are the same for all seeds.
 
     Raises:
         ValueError: The seed is negative or the texture smaller than 64.
     """
     basis, parameters = load_basis(), sample_parameters(seed)
-    average = template()
     weights = coefficients(
         basis.names,
         parameters["anatomy"],
@@ -183,32 +220,19 @@ def sample_head(seed: int, *, texture_size: int = 512) -> Head:
     )
     coarse, eyes = _in_head_frame(basis, weights)
     surface = basis.surface
-    skin = clear_lids(surface.matrix @ coarse.skin, eyes, average.lids)
-    position_map(texture_size)
-    albedo = np.full((texture_size, texture_size, 3), (0.45, 0.28, 0.21), np.float32)
-    parts = [Part("skin", "skin", skin.astype(np.float32), surface.faces, surface.uv, albedo)]
-    ball = unit_ball()
-    iris = np.full((EYE_TEXTURE, EYE_TEXTURE, 3), 0.6, np.float32)
-    r = np.hypot(*np.meshgrid(*[np.linspace(-1, 1, EYE_TEXTURE)] * 2)) * np.pi / 2
-    iris[r < 0.4] = (0.1, 0.06, 0.03)
-    iris[r < 0.15] = 0.004
-    for which, name in enumerate(("left_eye", "right_eye")):
-        parts.append(Part(name, "eye", eyeball_vertices(eyes, which), ball.faces, ball.uv, iris))
-    lashes = average.lashes
-    parts.append(
-        Part(
-            "lashes",
-            "lash",
-            lashes.place(coarse.lashes),
-            lashes.faces,
-            np.full((lashes.faces.size, 2), 0.5, np.float32),
-            np.full((4, 4, 3), 0.02, np.float32),
-        )
+    points = clear_lids(surface.matrix @ coarse.skin, eyes, template().lids)
+    albedo = _paint_skin(parameters, texture_size)
+    skin = points.astype(np.float32)
+    parts = (
+        Part("skin", "skin", skin, surface.faces, surface.uv, albedo),
+        *_make_eyes(eyes, parameters),
+        _make_lashes(coarse.lashes),
+        build_hair(parameters["hair"], skin, seed),
     )
     return Head(
         identity_id=f"seed-{seed:08d}",
-        parts=tuple(parts),
+        parts=parts,
         pupils=eyes.pupils,
-        landmarks=_make_landmarks(surface, skin, eyes),
+        landmarks=np.concatenate([eyes.pupils, points[surface.landmarks]]),
         parameters=parameters,
     )
