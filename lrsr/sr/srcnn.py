@@ -67,7 +67,12 @@ class SRCNN(nn.Module):
             (B, 1, H, W), or (B, 1, H - 12, W - 12) without padding; not clipped.
         """
         if self.padding == "replicate":
-            luminance = F.pad(luminance, (BORDER_PX,) * 4, mode="replicate")
+            luminance = repeat_edge(luminance)
         features = F.relu(self.extract(luminance))
         restored: torch.Tensor = self.reconstruct(F.relu(self.map(features)))
         return restored
+
+
+def repeat_edge(luminance: torch.Tensor) -> torch.Tensor:
+    """Repeat the edge of (B, 1, H, W) as often as SRCNN takes a pixel away: (B, 1, H+12, W+12)."""
+    return F.pad(luminance, (BORDER_PX,) * 4, mode="replicate")

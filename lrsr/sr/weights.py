@@ -7,7 +7,6 @@ to bicubic on any other, so these travel in the file's own header.
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from pickle import UnpicklingError
 
 import torch
 from safetensors import SafetensorError, safe_open
@@ -92,11 +91,15 @@ def _read_tensors(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str, 
 
 
 def _read_checkpoint(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str, str]]:
-    # ``SRCNNModule`` puts the network and its recipe there.
-    try:
-        checkpoint = torch.load(path, map_location="cpu", weights_only=True)
-        state, header = checkpoint["state_dict"], checkpoint["recipe"]
-    except (KeyError, TypeError, RuntimeError, EOFError, OSError, UnpicklingError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise InputError(f"{path} is no checkpoint of lrsr train sr=...: {reason}") from error
-    return {name.removeprefix("network."): tensor for name, tensor in state.items()}, header
+    """Take the network and the recipe that ``SRCNNModule`` puts there.
+
+    Raises:
+        InputError: The file is broken or of another training.
+    """
+    from lrsr.sr.checkpoints import read_checkpoint  # Lightning: only for a .ckpt
+
+    checkpoint = read_checkpoint(path)
+    if "recipe" not in checkpoint:
+        raise InputError(f"{path} is no checkpoint of lrsr train sr=...: it holds no recipe")
+    state: Mapping[str, torch.Tensor] = checkpoint["state_dict"]
+    return {name.removeprefix("network."): t for name, t in state.items()}, checkpoint["recipe"]

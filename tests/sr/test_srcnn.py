@@ -1,0 +1,81 @@
+import numpy as np
+import pytest
+import torch
+from scipy.signal import correlate
+
+from lrsr.sr.srcnn import BORDER_PX, SRCNN, repeat_edge
+
+
+def independent_srcnn(luminance: np.ndarray, weights: dict[str, np.ndarray]) -> np.ndarray:
+    """The three layers by scipy, one channel after the other, no padding."""
+    channels = luminance[None]
+    for name in ("extract", "map", "reconstruct"):
+        kernels, biases = weights[f"{name}.weight"], weights[f"{name}.bias"]
+        channels = np.stack(
+            [
+                correlate(channels, kernel, mode="valid")[0] + bias
+                for kernel, bias in zip(kernels, biases, strict=True)
+            ]
+        )
+        if name != "reconstruct":
+            channels = np.maximum(channels, 0.0)
+    return channels[0]
+
+
+def test_one_channel_srcnn_has_8129_parameters():
+    assert sum(parameter.numel() for parameter in SRCNN().parameters()) == 8129
+
+
+def test_layers_are_those_of_the_papers_table_1():
+    shapes = [tuple(p.shape) for name, p in SRCNN().named_parameters() if "weight" in name]
+    assert shapes == [(64, 1, 9, 9), (32, 64, 1, 1), (1, 32, 5, 5)]
+
+
+def test_forward_is_three_correlations_with_rectifiers_between():
+    torch.manual_seed(3)
+    network = SRCNN(initialisation="default").double()
+    weights = {name: p.detach().numpy() for name, p in network.named_parameters()}
+    luminance = torch.rand(1, 1, 17, 15, dtype=torch.float64)
+    with torch.no_grad():
+        restored = network(luminance)[0, 0].numpy()
+    np.testing.assert_allclose(
+        restored, independent_srcnn(luminance[0, 0].numpy(), weights), atol=1e-12
+    )
+
+
+def test_training_patch_of_33_becomes_21():
+    assert SRCNN()(torch.zeros(2, 1, 33, 33)).shape == (2, 1, 21, 21)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (5, 40), (32, 32)], ids=str)
+def test_replicate_padding_keeps_the_size(size):
+    assert SRCNN(padding="replicate")(torch.zeros(1, 1, *size)).shape == (1, 1, *size)
+
+
+def test_padding_changes_nothing_six_pixels_from_the_edge():
+    torch.manual_seed(0)
+    bare, padded = SRCNN(initialisation="default"), SRCNN(padding="replicate")
+    padded.load_state_dict(bare.state_dict())
+    luminance = torch.rand(1, 1, 24, 24)
+    inner = padded(luminance)[..., BORDER_PX:-BORDER_PX, BORDER_PX:-BORDER_PX]
+    torch.testing.assert_close(inner, bare(luminance), rtol=0, atol=1e-6)
+
+
+def test_repeated_edge_is_numpys_edge_mode():
+    luminance = torch.rand(2, 1, 3, 4)
+    expected = np.pad(luminance.numpy(), ((0, 0), (0, 0), (6, 6), (6, 6)), mode="edge")
+    np.testing.assert_array_equal(repeat_edge(luminance).numpy(), expected)
+
+
+def test_near_identity_start_returns_its_input_within_two_percent():
+    torch.manual_seed(0)
+    luminance = torch.rand(1, 1, 32, 32)
+    with torch.no_grad():
+        restored = SRCNN(padding="replicate", initialisation="near-identity")(luminance)
+    assert 0.0 < float((restored - luminance).abs().max()) < 0.02
+
+
+def test_near_identity_start_can_learn_in_every_layer():
+    network = SRCNN(initialisation="near-identity")
+    network(torch.rand(1, 1, 33, 33)).square().mean().backward()
+    assert all(bool((p.grad != 0).any()) for p in network.parameters())
