@@ -106,7 +106,9 @@ class Stage:
             painted, _ = environment(lighting)
             width = self._parameters["light.data"].shape[1]
             # Mitsuba keeps copies of the map's outer columns at its sides.
-            padded = np.pad(painted, ((0, 0), (1, width - painted.shape[1] - 1), (0, 0)), mode="wrap")
+            padded = np.pad(
+                painted, ((0, 0), (1, width - painted.shape[1] - 1), (0, 0)), mode="wrap"
+            )
             self._parameters["light.data"] = mi.TensorXf(padded)
         self._parameters["light.to_world"] = opaque_transform(world_to_head(pose))
         self._parameters.update()
@@ -129,8 +131,22 @@ def topology(head: Head) -> tuple[object, ...]:
 
 
 def mitsuba_uv(uv: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Turn texture coordinates with v = 0 in the top row into Mitsuba's, with v = 0 in the bottom."""
+    """Turn texture coordinates with v = 0 in the top row into those of the installed Mitsuba."""
+    if bitmaps_start_at_the_top():
+        return np.ascontiguousarray(uv, dtype=np.float32)
     return np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1).astype(np.float32)
+
+
+@cache
+def bitmaps_start_at_the_top() -> bool:
+    """Ask Mitsuba which row of a bitmap has v = 0: 3.9 says the top one, older ones the bottom."""
+    mi = start()
+    rows = np.zeros((2, 1, 3), dtype=np.float32)
+    rows[0] = 1.0
+    bitmap = mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(rows), "raw": True})
+    point = mi.SurfaceInteraction3f()
+    point.uv = mi.Point2f(0.5, 0.25)
+    return bool(np.array(bitmap.eval(point)).ravel()[0] > 0.5)
 
 
 def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> NDArray[np.float32]:
