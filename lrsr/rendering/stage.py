@@ -6,6 +6,7 @@ textures; poses turn the light (and the camera) instead of the head.
 """
 
 import gc
+from functools import cache
 from typing import Any
 
 import numpy as np
