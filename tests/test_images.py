@@ -1,5 +1,7 @@
 """Every line of the image contract."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import torch
@@ -129,7 +131,9 @@ def test_ycbcr_to_rgb_does_not_clip() -> None:
 
 
 @pytest.mark.parametrize("convert", [rgb_to_ycbcr, ycbcr_to_rgb, luminance])
-def test_colour_conversions_refuse_a_broken_batch(convert) -> None:  # noqa: ANN001 - of functions
+def test_colour_conversions_refuse_a_broken_batch(
+    convert: Callable[[torch.Tensor], torch.Tensor],
+) -> None:
     with pytest.raises(ImageContractError, match="wanted"):
         convert(torch.zeros(1, 1, 4, 4))
 

@@ -1,0 +1,131 @@
+"""The real JPEG, the differentiable one, and how far apart they are."""
+
+import io
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from lrsr.camera.codec import COMPRESSIONS, compression, jpeg, jpeg_differentiable
+from lrsr.errors import ImageContractError, InputError
+from lrsr.images import resize_bicubic
+
+Codec = Callable[[torch.Tensor, int], torch.Tensor]
+SIZES = [(32, 32), (33, 47), (128, 128), (7, 9), (1, 1)]
+QUALITIES = [c.quality for c in COMPRESSIONS.values() if c.quality is not None]
+
+
+def smooth(
+    batch: int, height: int, width: int, *, grain_px: int = 8, seed: int = 0
+) -> torch.Tensor:
+    """Random colours every ``grain_px`` pixels, bicubic in between; as smooth as a face."""
+    grid = (batch, 3, -(-height // grain_px), -(-width // grain_px))
+    colours = torch.rand(grid, generator=torch.Generator().manual_seed(seed))
+    large = resize_bicubic(colours * 0.5 + 0.25, grain_px)[..., :height, :width]
+    return (large.clamp(0, 1) * 255).round() / 255
+
+
+def psnr_db(a: torch.Tensor, b: torch.Tensor) -> float:
+    return float(-10 * torch.log10((a - b).square().mean()))
+
+
+def by_pillow(srgb: torch.Tensor, quality: int) -> torch.Tensor:
+    pixels = (srgb * 255).round().byte().permute(1, 2, 0).numpy()
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "JPEG", quality=quality, subsampling="4:2:0")
+    decoded = np.asarray(Image.open(file))
+    return torch.from_numpy(decoded.copy()).permute(2, 0, 1) / 255
+
+
+@pytest.mark.parametrize("quality", QUALITIES)
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_the_real_codec_is_the_file_that_pillow_would_write(
+    size: tuple[int, int], quality: int
+) -> None:
+    image = smooth(1, *size)
+    difference = (jpeg(image, quality)[0] - by_pillow(image[0], quality)).abs() * 255
+    assert float(difference.max()) <= 2.001  # two builds of libjpeg-turbo may round differently
+
+
+@pytest.mark.parametrize("codec", [jpeg, jpeg_differentiable], ids=["true", "differentiable"])
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_shape_range_and_levels_survive(codec: Codec, size: tuple[int, int]) -> None:
+    decoded = codec(smooth(2, *size), 15)
+    assert decoded.shape == (2, 3, *size)
+    assert decoded.dtype == torch.float32
+    assert 0 <= float(decoded.min()) <= float(decoded.max()) <= 1
+    assert torch.allclose(decoded * 255, (decoded * 255).round(), atol=1e-4)
+
+
+@pytest.mark.parametrize("codec", [jpeg, jpeg_differentiable], ids=["true", "differentiable"])
+def test_no_image_sees_the_others_of_its_batch(codec: Codec) -> None:
+    images = smooth(4, 33, 47)
+    alone = torch.cat([codec(image[None], 15) for image in images])
+    assert torch.equal(codec(images, 15), alone)
+
+
+@pytest.mark.parametrize("codec", [jpeg, jpeg_differentiable], ids=["true", "differentiable"])
+def test_more_compression_loses_more(codec: Codec) -> None:
+    images = smooth(8, 32, 32)
+    loss = [psnr_db(codec(images, quality), images) for quality in (95, 75, 40, 15, 5)]
+    assert loss == sorted(loss, reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("quality", "grain_px", "apart_db"),
+    # Measured 39.0, 37.8, 46.0, 43.3 dB apart; each from the original: 30.8, 28.0, 41.5, 36.4 dB.
+    [(15, 16, 38.0), (15, 8, 37.0), (75, 16, 45.0), (75, 8, 42.0)],
+)
+def test_the_codecs_are_closer_to_each_other_than_to_the_original(
+    quality: int, grain_px: int, apart_db: float
+) -> None:
+    images = smooth(32, 48, 48, grain_px=grain_px)
+    true, soft = jpeg(images, quality), jpeg_differentiable(images, quality)
+    assert psnr_db(true, soft) > apart_db
+    assert psnr_db(true, soft) > psnr_db(true, images) + 4
+
+
+def test_padding_repeats_the_edge_and_brings_no_dark_border() -> None:
+    flat = torch.full((1, 3, 17, 19), 0.6)
+    for codec in (jpeg, jpeg_differentiable):
+        assert float((codec(flat, 15) - 0.6).abs().max()) < 0.02
+
+
+def test_only_the_differentiable_codec_has_a_gradient() -> None:
+    images = smooth(1, 33, 20).requires_grad_()
+    assert not jpeg(images, 15).requires_grad
+    jpeg_differentiable(images, 15).square().sum().backward()
+    assert images.grad is not None
+    assert bool(torch.isfinite(images.grad).all())
+    assert float(images.grad.abs().mean()) > 0.1
+
+
+def test_a_step_along_the_gradient_changes_the_real_file_as_it_says() -> None:
+    target = smooth(4, 32, 32, grain_px=16, seed=1)
+    images = smooth(4, 32, 32, grain_px=16, seed=2).requires_grad_()
+    before = (jpeg(images, 75) - target).square().mean()
+    (jpeg_differentiable(images, 75) - target).square().sum().backward()
+    assert images.grad is not None
+    after = (jpeg(images.detach() - 0.5 * images.grad, 75) - target).square().mean()
+    assert float(after) < 0.7 * float(before)
+
+
+@pytest.mark.parametrize("codec", [jpeg, jpeg_differentiable], ids=["true", "differentiable"])
+def test_broken_images_are_refused(codec: Codec) -> None:
+    with pytest.raises(ImageContractError, match="srgb: got"):
+        codec(torch.zeros(3, 8, 8), 15)
+
+
+def test_the_presets_squeeze_in_the_order_of_their_names() -> None:
+    assert compression("none").quality is None
+    small, heavy = compression("small").quality, compression("heavy").quality
+    assert small is not None
+    assert heavy is not None
+    assert small > heavy
+
+
+def test_an_unknown_compression_is_refused_with_the_choice() -> None:
+    with pytest.raises(InputError, match="compression 'medium': choose one of none, small, heavy"):
+        compression("medium")
