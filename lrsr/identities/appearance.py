@@ -14,17 +14,23 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from lrsr.identities import brows as brows_module
+from lrsr.identities import beard as beards
+from lrsr.identities import brows as eyebrows
 from lrsr.identities import regions
-from lrsr.identities.brows import Brows, draw_brows, sample_brows
+from lrsr.identities.beard import Beard, sample_beard
+from lrsr.identities.brows import Brows, sample_brows
 from lrsr.identities.canvas import FloatMap
 from lrsr.identities.hair_colour import HairColour, hair_rgb, sample_hair_colour
 from lrsr.identities.iris import Iris, sample_iris
+from lrsr.identities.lines import ALBEDO_PER_MM, Lines, draw_lines, sample_lines
+from lrsr.identities.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_marks, sample_marks
 from lrsr.identities.skin_tone import tone_map
 
-_MELANIN_MEANS = np.log([0.22, 0.045, 0.022])
+Colour = tuple[float, float, float]
+
+_MELANIN_MEANS = (0.22, 0.045, 0.022)
 _MELANIN_LIMITS = (0.009, 0.32)
-_BLOOD_MEAN = float(np.log(0.022))
+_BLOOD_MEAN = 0.022
 _BLOOD_LIMITS = (0.013, 0.05)
 
 
@@ -46,12 +52,20 @@ class Complexion(TypedDict):
 
 
 class Lips(TypedDict):
-    """Natural lips by their pigments, or a lipstick's colour over them."""
+    """Natural lips by their pigments, as changes of the logarithms of the skin's."""
 
     blood: float
     melanin: float
+
+
+class MakeUp(TypedDict):
+    """Opacities, [0, 1], and colours (linear sRGB) of what is put on the skin."""
+
     lipstick: float
-    colour: tuple[float, float, float]
+    lipstick_colour: Colour
+    eyeliner: float
+    eyeshadow: float
+    eyeshadow_colour: Colour
 
 
 class Appearance(TypedDict):
@@ -59,7 +73,11 @@ class Appearance(TypedDict):
 
     complexion: Complexion
     lips: Lips
+    make_up: MakeUp
+    marks: Marks
+    lines: Lines
     brows: Brows
+    beard: Beard
     hair_colour: HairColour
     iris: Iris
 
@@ -70,15 +88,22 @@ class SkinMaps:
 
     Attributes:
         albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, [0, 1], filled beyond the mask.
+        displacement: ``(V,)`` float32, mm along the normal of each vertex that the painter knows:
+            grooves below, beards above the skin.
     """
 
     albedo: FloatMap
+    displacement: FloatMap
 
 
 def sample_appearance(
-    rng: Generator, *, masculinity: float, age: float, ancestry: ArrayLike
+    rng: Generator,
+    *,
+    masculinity: float,
+    age: float,
+    ancestry: ArrayLike,
 ) -> Appearance:
-    """Draw what a person's skin, lips, brows, hair and eyes look like.
+    """Draw what a person's skin, lips, brows, beard and eyes look like.
 
     Args:
         rng: Source of randomness.
@@ -91,10 +116,20 @@ def sample_appearance(
     """
     shares = np.asarray(ancestry, dtype=np.float64)
     hair_colour = sample_hair_colour(rng, age=age, ancestry=shares)
+    complexion = _sample_complexion(rng, age, shares)
     return {
-        "complexion": _sample_complexion(rng, masculinity, age, shares),
-        "lips": _sample_lips(rng, masculinity),
+        "complexion": complexion,
+        "lips": {
+            "blood": float(rng.uniform(0.7, 2.0 + 0.4 * (1 - masculinity))),
+            "melanin": float(rng.uniform(0.0, 0.35)),
+        },
+        "make_up": _sample_make_up(rng, masculinity),
+        "marks": sample_marks(rng, melanin=complexion["melanin"], age=age),
+        "lines": sample_lines(rng, age=age),
         "brows": sample_brows(rng, masculinity=masculinity),
+        "beard": sample_beard(
+            rng, masculinity=masculinity, asian=float(shares[1]), grey=hair_colour["grey"]
+        ),
         "hair_colour": hair_colour,
         "iris": sample_iris(
             rng, european=float(shares[2]), eumelanin=hair_colour["eumelanin"], age=age
@@ -102,11 +137,9 @@ def sample_appearance(
     }
 
 
-def _sample_complexion(
-    rng: Generator, masculinity: float, age: float, ancestry: NDArray[np.float64]
-) -> Complexion:
-    melanin = np.exp(ancestry @ _MELANIN_MEANS + rng.normal(0.0, 0.35))
-    blood = np.exp(rng.normal(_BLOOD_MEAN, 0.35))
+def _sample_complexion(rng: Generator, age: float, ancestry: NDArray[np.float64]) -> Complexion:
+    melanin = np.exp(ancestry @ np.log(_MELANIN_MEANS) + rng.normal(0.0, 0.35))
+    blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.35))
     flush = float(np.exp(rng.normal(0.0, 0.45)))
     return {
         "melanin": float(np.clip(melanin, *_MELANIN_LIMITS)),
@@ -124,18 +157,20 @@ def _sample_complexion(
     }
 
 
-def _sample_lips(rng: Generator, masculinity: float) -> Lips:
-    made_up = rng.random() < 0.42 * (1 - masculinity) ** 2
+def _sample_make_up(rng: Generator, masculinity: float) -> MakeUp:
+    wears = (1 - masculinity) ** 2
     hue = rng.uniform(0.0, 1.0)
-    red = np.array([0.36, 0.035, 0.045])
-    berry = np.array([0.20, 0.03, 0.06])
-    rose = np.array([0.48, 0.16, 0.16])
+    berry, red, rose = np.array([[0.20, 0.03, 0.06], [0.36, 0.035, 0.045], [0.48, 0.16, 0.16]])
     shade = red + (rose - red) * hue if rng.random() < 0.7 else berry + (red - berry) * hue
+    shadow = np.array([[0.10, 0.05, 0.035], [0.06, 0.06, 0.08], [0.22, 0.09, 0.10]])[
+        rng.integers(3)
+    ]
     return {
-        "blood": float(rng.uniform(0.7, 2.0 + 0.4 * (1 - masculinity))),
-        "melanin": float(rng.uniform(0.0, 0.35)),
-        "lipstick": float(rng.uniform(0.45, 0.9)) if made_up else 0.0,
-        "colour": (float(shade[0]), float(shade[1]), float(shade[2])),
+        "lipstick": float(rng.uniform(0.45, 0.9)) if rng.random() < 0.42 * wears else 0.0,
+        "lipstick_colour": (float(shade[0]), float(shade[1]), float(shade[2])),
+        "eyeliner": float(rng.uniform(0.3, 0.95)) if rng.random() < 0.45 * wears else 0.0,
+        "eyeshadow": float(rng.uniform(0.2, 0.6)) if rng.random() < 0.25 * wears else 0.0,
+        "eyeshadow_colour": (float(shadow[0]), float(shadow[1]), float(shadow[2])),
     }
 
 
@@ -145,12 +180,18 @@ class SkinPainter:
     Args:
         position_map: ``(H, W, 3)`` float32, the template point of each texel, mm.
         mask: ``(H, W)`` bool, which texels lie on the skin.
+        vertices: ``(V, 3)``, the template's vertices that will be displaced, mm; none by default.
 
     Raises:
         ValueError: The shapes disagree or the mask is empty.
     """
 
-    def __init__(self, position_map: NDArray[Any], mask: NDArray[np.bool_]) -> None:
+    def __init__(
+        self,
+        position_map: NDArray[Any],
+        mask: NDArray[np.bool_],
+        vertices: NDArray[Any] | None = None,
+    ) -> None:
         if position_map.shape != (*mask.shape, 3):
             raise ValueError(
                 f"position_map {position_map.shape} and mask {mask.shape} do not belong together"
@@ -158,32 +199,37 @@ class SkinPainter:
         if not mask.any():
             raise ValueError("the mask is empty: no texel lies on the skin")
         position = _fill_outside(position_map, mask)
-        self._front = regions.front(position)
-        self._face_pixels = regions.FACE.to_pixels(position)
-        self._brow_pixels = brows_module.CANVAS.to_pixels(position)
         self._texel_mm = _texel_size(position, mask)
+        self._texels = _Places(position)
+        self._vertices = _Places(np.zeros((0, 3)) if vertices is None else vertices)
         self._noise_pixels = _noise_pixels(position)
         self._regions = regions.blood_regions(position)
-        self._lips = regions.lip_mask(position, self._face_pixels)
-        self._contact = regions.lip_contact(position) * self._lips
+        self._contact = regions.lip_contact(position) * self._texels.lips
         self._nostrils = regions.nostrils(position)
-        self._waterline = regions.lid_margin(self._face_pixels, 1.2) * self._front
+        front = self._texels.front
+        self._waterline = regions.lid_margin(self._texels.face_pixels, 1.2) * front
+        self._liner = regions.lid_margin(self._texels.face_pixels, 2.4, upper=True) * front
+        self._shadow = beards.shadow_mask(self._texels.beard_zones)
 
     def paint(self, appearance: Appearance, seed: int) -> SkinMaps:
         """Paint one person.
 
         Args:
             appearance: As :func:`sample_appearance` draws it.
-            seed: Of the noise and of the single hairs; the same seed gives the same bytes.
+            seed: Of the noise and of the single hairs, >= 0; the same seed gives the same bytes.
 
         Returns:
-            Albedo and relief.
+            Albedo and displacement.
         """
         rng = np.random.default_rng(seed)
+        heights = draw_lines(appearance["lines"], regions.FACE)
         albedo = self._paint_tone(appearance, rng)
-        self._paint_lipstick(albedo, appearance["lips"])
+        groove = regions.FACE.sample(heights, self._texels.face_pixels) * self._texels.front
+        albedo *= np.exp(np.float32(ALBEDO_PER_MM) * groove)[..., None]
+        self._paint_make_up(albedo, appearance["make_up"])
+        tufts = self._paint_beard(albedo, appearance, rng)
         self._paint_brows(albedo, appearance, rng)
-        return SkinMaps(np.clip(albedo, 0.0, 1.0))
+        return SkinMaps(np.clip(albedo, 0.0, 1.0), self._displace(appearance, heights, tufts))
 
     def _paint_tone(self, appearance: Appearance, rng: Generator) -> FloatMap:
         skin, lips = appearance["complexion"], appearance["lips"]
@@ -196,9 +242,12 @@ class SkinPainter:
         melanin += np.float32(skin["tan"]) * self._regions["forehead"]
         for name in ("cheeks", "nose", "ears", "lids", "chin", "forehead"):
             blood += np.float32(skin[name]) * self._regions[name]
-        blood += np.float32(lips["blood"]) * self._lips
-        melanin += np.float32(lips["melanin"]) * self._lips
+        blood += np.float32(lips["blood"]) * self._texels.lips
+        melanin += np.float32(lips["melanin"]) * self._texels.lips
         blood += np.float32(0.6) * self._waterline
+        marks = draw_marks(appearance["marks"], regions.FACE)
+        spots = regions.FACE.sample(marks, self._texels.face_pixels).astype(np.float32)
+        melanin += np.float32(LOG_MELANIN_PER_LEVEL) * spots * self._texels.bare
         colour = tone_map(melanin, blood)
         shade = 1 - np.float32(0.45) * self._contact - np.float32(0.5) * self._nostrils
         colour *= shade[..., None]
@@ -220,21 +269,77 @@ class SkinPainter:
         )
         return np.ascontiguousarray(noise[..., 0]), np.ascontiguousarray(noise[..., 1])
 
-    def _paint_lipstick(self, albedo: FloatMap, lips: Lips) -> None:
-        if lips["lipstick"] > 0:
-            opacity = np.float32(lips["lipstick"]) * self._lips
+    def _paint_make_up(self, albedo: FloatMap, make_up: MakeUp) -> None:
+        if make_up["lipstick"] > 0:
+            opacity = np.float32(make_up["lipstick"]) * self._texels.lips
             opacity *= 1 - np.float32(0.4) * self._contact
-            _cover(albedo, np.array(lips["colour"], dtype=np.float32), opacity)
+            _cover(albedo, make_up["lipstick_colour"], opacity)
+        if make_up["eyeshadow"] > 0:
+            opacity = np.float32(make_up["eyeshadow"]) * self._regions["lids"]
+            _cover(albedo, make_up["eyeshadow_colour"], opacity)
+        if make_up["eyeliner"] > 0:
+            _cover(albedo, (0.012, 0.010, 0.010), np.float32(make_up["eyeliner"]) * self._liner)
 
     def _paint_brows(self, albedo: FloatMap, appearance: Appearance, rng: Generator) -> None:
-        sheet = draw_brows(appearance["brows"], rng)
-        sigma = 0.35 * self._texel_mm / brows_module.CANVAS.pixel_mm
-        sheet = np.asarray(cv2.GaussianBlur(sheet, (0, 0), max(0.3, sigma)), dtype=np.uint8)
-        opacity = brows_module.CANVAS.sample(sheet, self._brow_pixels).astype(np.float32)
-        opacity *= self._front / np.float32(255)
+        canvas = eyebrows.CANVAS
+        sheet = self._soften(eyebrows.draw_brows(appearance["brows"], rng), canvas.pixel_mm)
+        opacity = canvas.sample(sheet, self._texels.brow_pixels).astype(np.float32)
+        opacity *= self._texels.front / np.float32(255)
         colour = hair_rgb(appearance["hair_colour"], darker=2.4, grey=0.35)
-        colour *= min(1.0, 0.11 / float(colour.max()))
-        _cover(albedo, colour, opacity)
+        _cover(albedo, colour * min(1.0, 0.14 / float(colour.max())), opacity)
+
+    def _paint_beard(
+        self, albedo: FloatMap, appearance: Appearance, rng: Generator
+    ) -> FloatMap | None:
+        """Paint shaven hair and the beard; return how thick it grows on ``JAW``, if there is one."""
+        beard = appearance["beard"]
+        colour = hair_rgb(appearance["hair_colour"], darker=2.0, grey=beard["grey"])
+        if beard["shadow"] > 0:
+            dark = 1 - min(1.0, 4.0 * float(colour.mean()))
+            opacity = np.float32(0.42 * beard["shadow"] * dark) * self._shadow
+            _cover(albedo, (0.055, 0.058, 0.064), opacity)
+        if beard["kind"] == "none":
+            return None
+        sheet = beards.draw_beard(beard, rng)
+        tufts = beards.thin_out(beard, rng, sheet.shape)
+        sheet = np.asarray(cv2.multiply(sheet, tufts, dtype=cv2.CV_8U), dtype=np.uint8)
+        sheet = self._soften(sheet, beards.JAW.pixel_mm)
+        opacity = beards.JAW.sample(sheet, self._texels.jaw_pixels).astype(np.float32)
+        mask = beards.beard_mask(beard, self._texels.beard_zones)
+        _cover(albedo, colour, beards.feather(opacity / np.float32(255), mask))
+        return tufts
+
+    def _displace(
+        self, appearance: Appearance, heights: FloatMap, tufts: FloatMap | None
+    ) -> FloatMap:
+        places, beard = self._vertices, appearance["beard"]
+        if not len(places.front):
+            return np.zeros(0, dtype=np.float32)
+        displacement = regions.FACE.sample(heights, places.face_pixels) * places.front
+        if tufts is not None and beard["kind"] != "stubble":
+            thick = beards.JAW.sample(tufts, places.jaw_pixels)
+            length = np.float32(0.7 * beard["length_mm"] * min(1.0, beard["density"]))
+            displacement += length * thick * beards.beard_mask(beard, places.beard_zones)
+        return np.asarray(displacement, dtype=np.float32)
+
+    def _soften(self, sheet: NDArray[np.uint8], pixel_mm: float) -> NDArray[np.uint8]:
+        """Blur hairs to the size of a texel, so that none is lost between two."""
+        sigma = max(0.3, 0.35 * self._texel_mm / pixel_mm)
+        return np.asarray(cv2.GaussianBlur(sheet, (0, 0), sigma), dtype=np.uint8)
+
+
+class _Places:
+    """What never changes about a set of template points: where they lie on each sheet."""
+
+    def __init__(self, position: NDArray[Any]) -> None:
+        position = np.asarray(position, dtype=np.float32)
+        self.front = regions.front(position)
+        self.face_pixels = regions.FACE.to_pixels(position)
+        self.brow_pixels = eyebrows.CANVAS.to_pixels(position)
+        self.jaw_pixels = beards.JAW.to_pixels(beards.to_jaw(position))
+        self.lips = regions.lip_mask(position, self.face_pixels)
+        self.bare = self.front * (1 - self.lips)
+        self.beard_zones = beards.beard_zones(position, self.lips)
 
 
 def paint_skin(
@@ -244,12 +349,12 @@ def paint_skin(
 
     Args:
         appearance: As :func:`sample_appearance` draws it.
-        seed: Of the noise and of the single hairs.
+        seed: Of the noise and of the single hairs, >= 0.
         position_map: ``(H, W, 3)`` float32, the template point of each texel, mm.
         mask: ``(H, W)`` bool, which texels lie on the skin.
 
     Returns:
-        Albedo and relief, ``(H, W)``.
+        Albedo, ``(H, W, 3)``, and no displacement.
     """
     return SkinPainter(position_map, mask).paint(appearance, seed)
 
@@ -279,6 +384,6 @@ def _texel_size(position: FloatMap, mask: NDArray[np.bool_]) -> float:
     return float(np.median(step)) if step.size else 1.0
 
 
-def _cover(albedo: FloatMap, colour: FloatMap, opacity: FloatMap) -> None:
+def _cover(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
     """Paint a colour over the albedo in place."""
-    albedo += (colour - albedo) * opacity[..., None]
+    albedo += (np.asarray(colour, dtype=np.float32) - albedo) * opacity[..., None]

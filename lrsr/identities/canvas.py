@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 FloatMap = NDArray[np.float32]
 
 _SUBPIXEL_BITS = 4
+_LIST_WIDTH = 1024
 
 
 @dataclass(frozen=True)
@@ -136,21 +137,19 @@ class Canvas:
 
         Args:
             sheet: ``(H, W)`` uint8 or float32.
-            pixels: ``(h, w, 2)`` float32, columns and rows.
+            pixels: ``(h, w, 2)`` or ``(N, 2)`` float32, columns and rows.
 
         Returns:
-            ``(h, w)``, the sheet's type.
+            ``(h, w)`` or ``(N,)``, the sheet's type.
         """
-        return np.asarray(
-            cv2.remap(
-                sheet,
-                pixels,
-                None,
-                cv2.INTER_LINEAR,
-                borderMode=cv2.BORDER_CONSTANT,
-                borderValue=0,
-            )
-        )
+        if pixels.ndim == 2:  # OpenCV takes no list, and no image of more than 32767 rows
+            rows = -(-len(pixels) // _LIST_WIDTH)
+            padded = np.zeros((rows * _LIST_WIDTH, 2), dtype=np.float32)
+            padded[: len(pixels)] = pixels
+            grid = padded.reshape(rows, _LIST_WIDTH, 2)
+            return self.sample(sheet, grid).reshape(-1)[: len(pixels)] if rows else sheet[:0, 0]
+        sampled = cv2.remap(sheet, pixels, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
+        return np.asarray(sampled)
 
 
 def smoothstep(low: float, high: float, value: NDArray[Any]) -> NDArray[Any]:

@@ -85,11 +85,11 @@ def lip_mask(position: NDArray[Any], pixels: FloatMap) -> FloatMap:
     """Vermilion of both lips, its border softened over about 1 mm, and the mouth's inside.
 
     Args:
-        position: ``(H, W, 3)``, template points, mm.
-        pixels: ``(H, W, 2)``, the same on ``FACE``.
+        position: ``(..., 3)``, template points, mm.
+        pixels: ``(..., 2)``, the same on ``FACE``.
 
     Returns:
-        ``(H, W)`` float32, [0, 1].
+        ``(...)`` float32, [0, 1].
     """
     sheet = FACE.blank()
     FACE.fill_polygon(sheet, lip_outline())
@@ -106,22 +106,23 @@ def lip_contact(position: NDArray[Any]) -> FloatMap:
     return np.asarray(near * smoothstep(-40.0, -20.0, position[..., 2]), dtype=np.float32)
 
 
-def lid_margin(pixels: FloatMap, width_mm: float) -> FloatMap:
+def lid_margin(pixels: FloatMap, width_mm: float, *, upper: bool = False) -> FloatMap:
     """Closeness to the edges of the lids.
 
     Args:
         pixels: ``(H, W, 2)``, texels on ``FACE``.
         width_mm: Width of the band, mm.
+        upper: Only the upper lids.
 
     Returns:
         ``(H, W)`` float32, [0, 1].
     """
     sheet = FACE.blank()
     for side in (-1, 1):
-        outline = FACE.to_pixels(lid_rim(side))
+        outline = FACE.to_pixels(lid_rim(side)[:12] if upper else lid_rim(side))
         points = [np.round(outline * 16).astype(np.int32)]
         thickness = max(1, round(width_mm / FACE.pixel_mm))
-        cv2.polylines(sheet, points, True, 255, thickness, cv2.LINE_AA, shift=4)
+        cv2.polylines(sheet, points, not upper, 255, thickness, cv2.LINE_AA, shift=4)
     sheet = cv2.GaussianBlur(sheet, (0, 0), 0.3 * width_mm / FACE.pixel_mm)
     return FACE.sample(sheet, pixels).astype(np.float32) / 255
 

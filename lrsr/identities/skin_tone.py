@@ -24,7 +24,7 @@ BLOOD_RANGE = (0.002, 0.4)
 TABLE_SIZE = 48
 CHROMA = (0.82, 0.70)
 """Share of the model's saturation that is kept at a melanin fraction of 0.03 and below, and at 0.2
-and above: bare it is too orange. The two make skin of L* = 65 and 40 as measured (b* about 16 to 19).
+and above: bare it is too orange. These make the L* = 65 and 40 of measured skin with b* 16 to 19.
 """
 CHROMA_MELANIN = (0.03, 0.2)
 GAIN = 1.12
