@@ -90,33 +90,29 @@ def warp(
     Returns:
         ``(B, C, size_px, size_px)`` float32.
     """
-    inverses = np.linalg.inv(matrices[:, :, :2]).astype(np.float64, copy=False)
+    full = np.zeros((len(images), 3, 3))
+    full[:, :2], full[:, 2, 2] = matrices, 1
+    inverses = np.linalg.inv(full)
     rays = np.ones(len(images), dtype=np.int64)
     if antialias:
         minification = np.sqrt(np.abs(np.linalg.det(inverses)))
         rays = np.maximum(1, np.ceil(minification - 0.01)).astype(np.int64)
-    result = images.new_empty(len(images), images.shape[1], size_px, size_px)
     height, width = images.shape[-2:]
+    source, target = _unit_square(height, width), np.linalg.inv(_unit_square(size_px, size_px))
+    theta = torch.from_numpy(source @ inverses @ target)[:, :2].to(images)
+    result = images.new_empty(len(images), images.shape[1], size_px, size_px)
     for k in np.unique(rays).tolist():
-        chosen = np.flatnonzero(rays == k)
-        rows = torch.from_numpy(chosen)
-        places = _places(inverses[chosen], matrices[chosen, :, 2], size_px, k)
-        grid = torch.from_numpy((2 * places + 1) / np.array([width, height]) - 1).to(images)
+        rows = torch.from_numpy(np.flatnonzero(rays == k))
+        shape = [len(rows), 1, k * size_px, k * size_px]
+        grid = F.affine_grid(theta[rows], shape, align_corners=False)
         fine = F.grid_sample(images[rows], grid, padding_mode="zeros", align_corners=False)
         result[rows] = F.avg_pool2d(fine, k) if k > 1 else fine
     return result
 
 
-def _places(
-    inverses: NDArray[np.float64], shifts: NDArray[np.float64], size_px: int, k: int
-) -> NDArray[np.float64]:
-    """Return where in the image k×k samples per result pixel lie: ``(B, k size, k size, 2)`` px."""
-    steps = (np.arange(k * size_px) + 0.5) / k - 0.5
-    target = np.stack(np.meshgrid(steps, steps, indexing="xy"), axis=-1)
-    places: NDArray[np.float64] = np.einsum(
-        "bij,byxj->byxi", inverses, target[None] - shifts[:, None, None]
-    )
-    return places
+def _unit_square(height: int, width: int) -> NDArray[np.float64]:
+    """Return the ``(3, 3)`` map from pixels to PyTorch's [-1, 1], from edge to edge of the image."""
+    return np.array([[2 / width, 0, 1 / width - 1], [0, 2 / height, 1 / height - 1], [0, 0, 1]])
 
 
 def align(
