@@ -8,6 +8,7 @@ file's own properties say for which scale, kernel and kind of small image it was
 import math
 import warnings
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import onnx
@@ -68,9 +69,7 @@ def _as_onnx(network: SRCNN, recipe: Recipe) -> bytes:
             external_data=False,
             verbose=False,
         )
-    if program is None:
-        raise RuntimeError("torch.onnx.export gave no program")
-    model: onnx.ModelProto = program.model_proto
+    model: onnx.ModelProto = cast("torch.onnx.ONNXProgram", program).model_proto
     for part in (
         *model.graph.node,
         *model.graph.input,

@@ -8,7 +8,7 @@ from lrsr.sr.psnr import psnr_y_db
 
 
 @pytest.fixture
-def noisy_pair() -> Any:
+def noisy_pair() -> tuple[torch.Tensor, torch.Tensor]:
     generator = torch.Generator().manual_seed(0)
     target = torch.rand(3, 1, 20, 24, generator=generator)
     noise = 0.05 * torch.randn(3, 1, 20, 24, generator=generator)

@@ -22,16 +22,16 @@ def independent_srcnn(luminance: np.ndarray, weights: dict[str, np.ndarray]) -> 
     return channels[0]
 
 
-def test_one_channel_srcnn_has_8129_parameters():
+def test_one_channel_srcnn_has_8129_parameters() -> None:
     assert sum(parameter.numel() for parameter in SRCNN().parameters()) == 8129
 
 
-def test_layers_are_those_of_the_papers_table_1():
+def test_layers_are_those_of_the_papers_table_1() -> None:
     shapes = [tuple(p.shape) for name, p in SRCNN().named_parameters() if "weight" in name]
     assert shapes == [(64, 1, 9, 9), (32, 64, 1, 1), (1, 32, 5, 5)]
 
 
-def test_forward_is_three_correlations_with_rectifiers_between():
+def test_forward_is_three_correlations_with_rectifiers_between() -> None:
     torch.manual_seed(3)
     network = SRCNN(initialisation="default").double()
     weights = {name: p.detach().numpy() for name, p in network.named_parameters()}
@@ -43,16 +43,16 @@ def test_forward_is_three_correlations_with_rectifiers_between():
     )
 
 
-def test_training_patch_of_33_becomes_21():
+def test_training_patch_of_33_becomes_21() -> None:
     assert SRCNN()(torch.zeros(2, 1, 33, 33)).shape == (2, 1, 21, 21)
 
 
 @pytest.mark.parametrize("size", [(1, 1), (5, 40), (32, 32)], ids=str)
-def test_replicate_padding_keeps_the_size(size):
+def test_replicate_padding_keeps_the_size(size: tuple[int, int]) -> None:
     assert SRCNN(padding="replicate")(torch.zeros(1, 1, *size)).shape == (1, 1, *size)
 
 
-def test_padding_changes_nothing_six_pixels_from_the_edge():
+def test_padding_changes_nothing_six_pixels_from_the_edge() -> None:
     torch.manual_seed(0)
     bare, padded = SRCNN(initialisation="default"), SRCNN(padding="replicate")
     padded.load_state_dict(bare.state_dict())
@@ -61,13 +61,13 @@ def test_padding_changes_nothing_six_pixels_from_the_edge():
     torch.testing.assert_close(inner, bare(luminance), rtol=0, atol=1e-6)
 
 
-def test_repeated_edge_is_numpys_edge_mode():
+def test_repeated_edge_is_numpys_edge_mode() -> None:
     luminance = torch.rand(2, 1, 3, 4)
     expected = np.pad(luminance.numpy(), ((0, 0), (0, 0), (6, 6), (6, 6)), mode="edge")
     np.testing.assert_array_equal(repeat_edge(luminance).numpy(), expected)
 
 
-def test_near_identity_start_returns_its_input_within_two_percent():
+def test_near_identity_start_returns_its_input_within_two_percent() -> None:
     torch.manual_seed(0)
     luminance = torch.rand(1, 1, 32, 32)
     with torch.no_grad():
@@ -75,7 +75,7 @@ def test_near_identity_start_returns_its_input_within_two_percent():
     assert 0.0 < float((restored - luminance).abs().max()) < 0.02
 
 
-def test_near_identity_start_can_learn_in_every_layer():
+def test_near_identity_start_can_learn_in_every_layer() -> None:
     network = SRCNN(initialisation="near-identity")
     network(torch.rand(1, 1, 33, 33)).square().mean().backward()
     assert all(bool((p.grad != 0).any()) for p in network.parameters())
