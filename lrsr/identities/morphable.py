@@ -32,6 +32,8 @@ from lrsr.identities.hair import build_hair, mean_colour, sample_hair, scalp_mas
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
 from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
+from lrsr.identities.relief import displace
+from lrsr.identities.proportions import load_gauge
 from lrsr.identities.shape import RACES, coefficients, sample_anatomy
 
 RECIPE_VERSION = "1"
@@ -93,7 +95,11 @@ def sample_parameters(seed: int) -> dict[str, Any]:
         "age_years": 25.0 + 50.0 * age,
         "ancestry": ancestry,
         "anatomy": sample_anatomy(
-            load_basis().names, stream(seed, "anatomy"), masculinity=masculinity, age=age
+            load_basis().names,
+            load_gauge(),
+            stream(seed, "anatomy"),
+            masculinity=masculinity,
+            age=age,
         ),
         "appearance": appearance,
         "hair": hair,
@@ -170,15 +176,19 @@ def position_map(texture_size: int) -> PositionMap:
 
 @lru_cache(maxsize=2)
 def _painter(texture_size: int) -> SkinPainter:
-    return SkinPainter(*position_map(texture_size))
+    return SkinPainter(*position_map(texture_size), vertices=template().skin)
 
 
-def _paint_skin(parameters: Mapping[str, Any], texture_size: int) -> NDArray[np.float32]:
-    """Paint the skin and, where hair stands, its roots."""
+def _paint_skin(
+    parameters: Mapping[str, Any], texture_size: int
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Paint the skin and, where hair stands, its roots; return the albedo and the relief, mm."""
     seed, hair = parameters["seed"], parameters["hair"]
-    albedo = _painter(texture_size).paint(parameters["appearance"], seed).albedo
+    maps = _painter(texture_size).paint(parameters["appearance"], seed)
+    albedo = maps.albedo
     roots = scalp_mask(hair, position_map(texture_size).points, seed)[..., None]
-    return (albedo + roots * (mean_colour(hair).astype(np.float32) - albedo)).astype(np.float32)
+    albedo += roots * (mean_colour(hair).astype(np.float32) - albedo)
+    return albedo, maps.displacement
 
 
 def _make_eyes(eyes: Eyes, parameters: Mapping[str, Any]) -> Iterator[Part]:
@@ -221,8 +231,8 @@ def sample_head(seed: int, *, texture_size: int = 512) -> Head:
     coarse, eyes = _in_head_frame(basis, weights)
     surface = basis.surface
     points = clear_lids(surface.matrix @ coarse.skin, eyes, template().lids)
-    albedo = _paint_skin(parameters, texture_size)
-    skin = points.astype(np.float32)
+    albedo, relief = _paint_skin(parameters, texture_size)
+    skin = displace(points, surface.faces, relief).astype(np.float32)
     parts = (
         Part("skin", "skin", skin, surface.faces, surface.uv, albedo),
         *_make_eyes(eyes, parameters),
