@@ -7,7 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lrsr.configuration import number, require, section, whole_number, whole_numbers
+from lrsr.configuration import number, numbers, section, whole_number, whole_numbers
+from lrsr.errors import InputError
+from lrsr.experiments.settings import IdentityRange, RenderingSettings, verification_settings
 from lrsr.paths import cache_folder
 from lrsr.provenance import write_provenance
 
@@ -21,8 +23,7 @@ def run_eval(config: "DictConfig") -> Path:
     Raises:
         InputError: A setting is wrong; nothing has been rendered by then.
     """
-    from lrsr.experiments.run import verify  # torch takes seconds; `lrsr --help` does not need it
-    from lrsr.experiments.settings import verification_settings
+    from lrsr.experiments.run import verify  # torch takes seconds
 
     settings = verification_settings(config)
     folder = _run_folder()
@@ -46,10 +47,10 @@ def run_render(config: "DictConfig") -> Path:
         InputError: A setting is wrong.
     """
     from lrsr.data.render import RenderSettings, render_to_folder
-    from lrsr.experiments.settings import IdentityRange, RenderingSettings
 
     out = _path(config.out)
-    require(out is not None, "out", None, "a folder for the pictures, e.g. out=probes")
+    if out is None:
+        raise InputError("out=null: give the folder for the pictures, e.g. out=probes")
     settings = RenderSettings(
         out=out,
         **asdict(section(IdentityRange, config, "identities")),
@@ -68,6 +69,58 @@ def run_render(config: "DictConfig") -> Path:
     folder = render_to_folder(settings).parent
     write_provenance(folder, config)
     return folder
+
+
+def run_train(config: "DictConfig") -> Path:
+    """Train SRCNN or an embedder on probes rendered on the fly, into the run folder.
+
+    Raises:
+        InputError: Neither or both were asked for, or a setting is wrong.
+    """
+    asked = [key for key in ("sr", "recognition") if config.get(key) is not None]
+    if len(asked) != 1:
+        raise InputError("what to train? give one of sr=srcnn2x, sr=srcnn4x, recognition=arcface")
+    return _train_sr(config) if asked == ["sr"] else _train_recognition(config)
+
+
+def _train_sr(config: "DictConfig") -> Path:
+    from lrsr.sr.training import train
+
+    if "module" not in config.sr:
+        raise InputError("nothing to train there: give sr=srcnn2x or sr=srcnn4x")
+    section(IdentityRange, config, "identities")
+    section(RenderingSettings, config, "rendering")
+    seed = whole_number(config, "seed")
+    folder = _run_folder()
+    write_provenance(folder, config)
+    return train(
+        _instantiate(config.data),
+        _instantiate(config.sr.module),
+        folder=folder,
+        trainer=_instantiate(config.trainer),
+        callbacks=list(_instantiate(config.callbacks).values()),
+        loggers=list(_instantiate(config.logger).values()),
+        seed=seed,
+        resume=bool(config.resume),
+        about={"identities": config.identities.count, "ipd_px": numbers(config.data, "ipd_px")},
+    )
+
+
+def _train_recognition(config: "DictConfig") -> Path:
+    from omegaconf import OmegaConf
+
+    from lrsr.data.cache import RenderCache
+    from lrsr.recognition.faces import FaceSettings
+    from lrsr.recognition.training import TrainingSettings, train_embedder
+
+    if "training" not in config.recognition:
+        raise InputError("nothing to train there: give recognition=arcface")
+    faces = section(FaceSettings, config.recognition, "faces")
+    training = section(TrainingSettings, config.recognition, "training")
+    folder = _run_folder()
+    used = ("seed", "identities", "rendering", "camera", "paths", "recognition", "resume")
+    write_provenance(folder, OmegaConf.masked_copy(config, list(used)))
+    return train_embedder(folder, RenderCache(_cache(config)), faces=faces, training=training)
 
 
 def _instantiate(config: "DictConfig") -> Any:
