@@ -1,7 +1,8 @@
 """How is ``lrsr/assets/hair_anchors.npz`` made? ``python -m lrsr.identities.build_hair_anchors``.
 
 From the average adult of :mod:`lrsr.identities.morphable` alone: the ears are the vertices that the
-ear targets of the shape space move; :mod:`lrsr.identities.hair_anchors` casts the rays. Run it again whenever ``head_basis.npz`` changes; a test compares the two.
+ear targets of the shape space move; :mod:`lrsr.identities.hair_anchors` casts the rays. Run it again
+whenever ``head_basis.npz`` changes; a test compares the two.
 """
 
 import sys

@@ -29,7 +29,8 @@ Floats = NDArray[np.float64]
 COLUMNS = 288
 ROWS = 40
 BEYOND_MM = (4.0, 9.0, 15.0)
-"""Extra rows past the edge, for strands that reach over it; not part of the shell's mesh."""
+"""Extra rows past a free edge, for strands that reach over it; not part of the shell's mesh. At a
+hairline they are a third as long."""
 
 _LEVELS_MM = np.arange(100.0, -284.0, -4.0)
 _HANG_POLAR_DEG = 80.0
@@ -62,6 +63,8 @@ class _Paths:
     over_skull_mm: Floats
     on_parting: Floats
     leading: Floats
+    free: Floats
+    tuft: Floats
 
 
 def shell_rows() -> Floats:
@@ -119,19 +122,38 @@ def _paths(
     )
     front_polar = hairline_polar(np.array([parting_azimuth]), parameters)[0] - 1.0
     front = _flatten(np.array([parting_azimuth]), np.array([front_polar]))[0]
-    on_parting = smoothstep((q - 0.1) / 0.9) * parameters["parting_length"]
+    on_parting = smoothstep((q - 0.1) / 0.9)
+    if parameters["parting_length"] > 0:
+        crown = front + parameters["parting_length"] * (crown - front)
+    else:
+        on_parting = np.zeros_like(on_parting)
     root = crown + on_parting[:, None] * (front - crown)
     leave = _flatten(azimuth, leave_polar)
     if parameters["bald_deg"] > 0:
         rim = bald_polar(azimuth, parameters["bald_deg"])
         root = _flatten(azimuth, np.minimum(rim, leave_polar - 1.0))
     over_skull = np.maximum(np.linalg.norm(leave - root, axis=1) * MM_PER_DEG, 1.0)
-    jitter = 0.6 * rng.random(COLUMNS) + 0.8 * _noise(rng, (COLUMNS,), (3.0,), spread=0.35)
+    free = drop > 8.0
+    tuft = _tufts(parameters, rng)
+    jitter = 0.25 * rng.random(COLUMNS) + _noise(rng, (COLUMNS,), (6.0,), spread=0.35)
+    jitter = jitter + np.where(free, np.abs(tuft), 0.3 * np.abs(tuft))
     length = over_skull + drop + np.minimum(fringe, 0.0) - parameters["ragged_mm"] * jitter
+    frame = np.clip(1.0 - np.abs(np.abs(azimuth) - first) / 40.0, 0.0, 1.0) * (drop > 60.0)
+    length = length - parameters["layer_mm"] * frame**1.5
     leading = smoothstep((1.0 - q) / 0.06)
     if left == 0.0:
         leading = np.ones_like(leading)
-    return _Paths(root, leave, azimuth, np.maximum(length, 1.0), over_skull, on_parting, leading)
+    return _Paths(
+        root=root,
+        leave=leave,
+        leave_azimuth=azimuth,
+        length_mm=np.maximum(length, 1.0),
+        over_skull_mm=over_skull,
+        on_parting=on_parting,
+        leading=leading,
+        free=smoothstep((drop - 6.0) / 8.0),
+        tuft=tuft,
+    )
 
 
 def _lift(
@@ -147,7 +169,8 @@ def _lift(
     along = np.concatenate(
         [
             shell_rows()[None, :] * paths.length_mm[:, None],
-            paths.length_mm[:, None] + np.asarray(BEYOND_MM)[None, :],
+            paths.length_mm[:, None]
+            + (0.33 + 0.67 * paths.free[:, None]) * np.asarray(BEYOND_MM)[None, :],
         ],
         axis=1,
     )
@@ -176,7 +199,14 @@ def _lift(
     height = height + 0.5 * swing * np.cos(phase)
     if parameters["sunk_mm"] > 0:
         height = np.full_like(height, -parameters["sunk_mm"])
-    points = points + outward * height[..., None] + lateral * (swing * np.sin(phase))[..., None]
+    share = np.clip(along / paths.length_mm[:, None], 0.0, 1.0)
+    loose = paths.free[:, None] * smoothstep((share - 0.35) / 0.65)
+    gather = -0.35 * parameters["clump_scale_mm"] * paths.tuft[:, None] * loose
+    bend = _noise(rng, (COLUMNS,), (12.0,), 1.0)[:, None] * np.sin(np.pi * (share - 0.3) / 0.7)
+    gather = gather + parameters["sway_mm"] * bend * paths.free[:, None] * (share > 0.3)
+    aside = swing * np.sin(phase) + gather
+    height = height + parameters["flare_mm"] * loose**3
+    points = points + outward * height[..., None] + lateral * aside[..., None]
     return Shell(points, outward, height)
 
 
@@ -198,7 +228,7 @@ def _thickness(
     dip = parameters["parting_dip"] * np.exp(-((along / 9.0) ** 2))
     full = full * (1.0 - dip * np.minimum(1.0, 4.0 * paths.on_parting[:, None]))
     left = paths.length_mm[:, None] - along
-    free = smoothstep((paths.length_mm - paths.over_skull_mm - 4.0) / 10.0)[:, None]
+    free = paths.free[:, None]
     fade = smoothstep(left / parameters["taper_mm"])
     close = full * fade - 1.6 * (1.0 - smoothstep(left / 5.0))
     share = smoothstep(down / np.maximum(down.max(axis=1, keepdims=True), 1.0))
@@ -332,6 +362,16 @@ def _ears(ears: NDArray[np.float32], centre: Floats) -> Floats:
     np.maximum.at(reach, (row, column), np.linalg.norm(flat, axis=1))
     grown = maximum_filter(reach, size=(5, 5), mode=("wrap", "nearest"))
     return np.asarray(gaussian_filter(grown, (1.2, 1.5), mode=("wrap", "nearest")))
+
+
+def _tufts(parameters: Mapping[str, Any], rng: np.random.Generator) -> Floats:
+    """Group neighbouring columns: ``(COLUMNS,)``, -1..1 from one side of a tuft to the other."""
+    mean = max(parameters["clump_scale_mm"] / 2.1, 2.0)
+    widths = mean * rng.uniform(0.5, 1.5, COLUMNS)
+    ends = np.cumsum(widths)
+    columns = np.arange(COLUMNS, dtype=np.float64)
+    which = np.searchsorted(ends, columns, side="right")
+    return np.asarray(1.0 - 2.0 * (ends[which] - columns) / widths[which])
 
 
 def _clump_widths(parameters: Mapping[str, Any]) -> tuple[float, float]:

@@ -51,6 +51,9 @@ _SHORT: dict[str, Range] = {
     "ragged_mm": (5.0, 9.0),
     "curl_mm": (0.0, 1.0),
     "flyaway_mm": (1.0, 2.5),
+    "sway_mm": (0.0, 1.5),
+    "flare_mm": (0.0, 0.0),
+    "layer_mm": (0.0, 0.0),
     "density": (0.9, 1.0),
     "trim_side_deg": (0.0, 5.0),
     "trim_back_deg": (0.0, 10.0),
@@ -75,6 +78,9 @@ _LONG: dict[str, Range] = _SHORT | {
     "clump_mm": (1.5, 3.0),
     "clump_scale_mm": (9.0, 18.0),
     "ragged_mm": (10.0, 25.0),
+    "sway_mm": (2.0, 6.0),
+    "flare_mm": (-6.0, 6.0),
+    "layer_mm": (0.0, 45.0),
     "trim_side_deg": (0.0, 0.0),
     "trim_back_deg": (0.0, 0.0),
 }
@@ -191,6 +197,8 @@ _RANGES: dict[str, dict[str, Range]] = {
         "low_side_mm": (-125.0, -60.0),
         "low_back_mm": (-115.0, -70.0),
         "tip_mm": (6.0, 12.0),
+        "flare_mm": (-14.0, 10.0),
+        "layer_mm": (-15.0, 20.0),
     },
     "long_straight": _LONG
     | {

@@ -44,10 +44,9 @@ def hair_texture(parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.flo
     down = np.linspace(0.0, 1.0, rows)[:, None]
     log_shade = 0.20 * strand + 0.22 * clump + 0.10 * broad + 0.16 * drift
     log_shade = log_shade + 0.30 * (down - 0.55) - 0.35 * np.exp(-down / 0.05)
-    grey_rank = 0.5 * strand + 0.8 * _unit(np.roll(clump, 37) + 0.8 * broad)
-    order = np.argsort(np.argsort(-grey_rank)) / columns
-    grey = np.clip((parameters["grey"] - order) * 12.0 + 0.5, 0.0, 1.0)
-    grey *= min(1.0, 4.0 * parameters["grey"])
+    share = float(parameters["grey"])
+    uneven = 0.9 * rng.normal(size=columns) + 0.5 * np.roll(clump, 37) + 0.4 * np.roll(broad, 90)
+    grey = np.clip(share + 0.9 * share * (1.0 - share) * uneven, 0.0, 1.0)
     pigment = np.asarray(parameters["hair_colour"], dtype=np.float64)
     white = np.asarray(GREY_STRAND)
     base = pigment + grey[:, None] * (white - pigment)
