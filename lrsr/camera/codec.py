@@ -4,8 +4,8 @@ The real one is OpenCV's (libjpeg-turbo): what a file would hold. The differenti
 kornia's (Reich et al. 2024, arXiv:2309.06978): the same tables and the same 4:2:0, with a rounding
 that has a slope, for training through it. On smooth random images the two are 38 dB apart at
 quality 15, where each is 28 dB from the original, and 43 dB at quality 75
-(``tests/camera/test_codec.py``); the soft rounding keeps about 1 dB that the real one loses, and its
-gradient is a quarter of the straight-through one on average.
+(``tests/camera/test_codec.py``); the soft rounding keeps about 1 dB that the real one loses; its
+gradient is, on average, a quarter of the straight-through one.
 """
 
 from dataclasses import dataclass

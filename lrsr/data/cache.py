@@ -114,23 +114,24 @@ def _pack(radiance: Radiance) -> bytes:
         for field in fields(radiance)
         if field.name not in _TENSORS
     }
-    text = _canonical(plain).decode()
-    content: bytes = save(tensors, {"radiance": text, "sha256": _digest(tensors, text)})
+    note = {"radiance": plain, "sha256": _digest(tensors, plain)}
+    # One note, not two: safetensors writes several in random order, and equal means equal bytes.
+    content: bytes = save(tensors, {"lrsr": _canonical(note).decode()})
     return content
 
 
 def _unpack(content: bytes) -> Radiance:
     tensors = load(content)
     length = int.from_bytes(content[:8], "little")
-    notes = json.loads(content[8 : 8 + length])["__metadata__"]
-    text = notes["radiance"]
-    if set(tensors) != set(_TENSORS) or notes["sha256"] != _digest(tensors, text):
+    note = json.loads(json.loads(content[8 : 8 + length])["__metadata__"]["lrsr"])
+    plain = note["radiance"]
+    if set(tensors) != set(_TENSORS) or note["sha256"] != _digest(tensors, plain):
         raise ValueError("its checksum does not match")
-    return Radiance(**tensors, **json.loads(text))
+    return Radiance(**tensors, **plain)
 
 
-def _digest(tensors: Mapping[str, torch.Tensor], text: str) -> str:
-    digest = hashlib.sha256(text.encode())
+def _digest(tensors: Mapping[str, torch.Tensor], plain: Mapping[str, Any]) -> str:
+    digest = hashlib.sha256(_canonical(plain))
     for name in _TENSORS:
         digest.update(f"{name}{tensors[name].dtype}{tuple(tensors[name].shape)}".encode())
         digest.update(tensors[name].numpy().tobytes())

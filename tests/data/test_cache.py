@@ -1,0 +1,211 @@
+"""A rendering is kept whole, found again, and never believed when it is damaged."""
+
+import errno
+import logging
+import os
+import subprocess
+import sys
+from dataclasses import fields, replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from lrsr.data.cache import RenderCache
+from lrsr.errors import ImageContractError, InputError, NonFiniteError
+from lrsr.rendering.radiance import Radiance
+
+KEY = RenderCache.key({"who": 1})
+
+
+def radiance(height: int = 4, width: int = 6, seed: int = 0) -> Radiance:
+    generator = torch.Generator().manual_seed(seed)
+    return Radiance(
+        image=torch.rand(3, height, width, generator=generator),
+        landmarks_px=torch.rand(5, 2, generator=generator),
+        ipd_px=8.0,
+        scale=2,
+        metered=1.25,
+        seed=7,
+        identity_id="test-00001",
+        pose="léft",
+        lighting="above",
+    )
+
+
+def same(a: Radiance | None, b: Radiance) -> bool:
+    assert a is not None
+    tensors = ("image", "landmarks_px")
+    names = [field.name for field in fields(b) if field.name not in tensors]
+    return all(torch.equal(getattr(a, name), getattr(b, name)) for name in tensors) and all(
+        getattr(a, name) == getattr(b, name) for name in names
+    )
+
+
+def entry(cache: RenderCache) -> Path:
+    cache.put(KEY, radiance())
+    return cache.path(KEY)
+
+
+def test_what_was_put_is_got_bit_for_bit(cache: RenderCache) -> None:
+    cache.put(KEY, radiance())
+    assert same(cache.get(KEY), radiance())
+
+
+def test_views_of_larger_tensors_are_kept_as_what_they_show(cache: RenderCache) -> None:
+    turned = replace(radiance(), image=torch.rand(6, 4, 3).permute(2, 1, 0)[:, ::2])
+    cache.put(KEY, turned)
+    assert same(cache.get(KEY), turned)
+
+
+def test_nothing_is_found_where_nothing_was_put(cache: RenderCache) -> None:
+    assert cache.get(KEY) is None
+    assert not cache.folder.exists()
+
+
+def test_an_entry_lies_under_the_first_digits_of_its_key(cache: RenderCache) -> None:
+    entry(cache)
+    assert [path.relative_to(cache.folder) for path in cache.folder.rglob("*.*")] == [
+        Path(KEY[:2], f"{KEY}.safetensors")
+    ]
+
+
+def test_the_order_of_a_recipe_does_not_change_its_key() -> None:
+    assert RenderCache.key({"a": 1, "b": {"c": 2, "d": 3}}) == RenderCache.key(
+        {"b": {"d": 3, "c": 2}, "a": 1}
+    )
+
+
+def test_a_key_has_no_room_for_what_is_no_number() -> None:
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        RenderCache.key({"a": float("nan")})
+    with pytest.raises(TypeError, match="not JSON serializable"):
+        RenderCache.key({"a": object()})
+
+
+def test_every_flipped_byte_is_noticed_or_harmless(cache: RenderCache) -> None:
+    path = entry(cache)
+    whole = path.read_bytes()
+    noticed = 0
+    for place in range(len(whole)):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0x11]) + whole[place + 1 :])
+        found = RenderCache(cache.folder).get(KEY)
+        assert found is None or same(found, radiance()), f"byte {place} lies"
+        noticed += found is None
+    assert noticed > 0.95 * len(whole)
+
+
+@pytest.mark.parametrize("length", [0, 1, 7, 8, 9, 100, -1], ids=str)
+def test_a_truncated_entry_counts_as_none(cache: RenderCache, length: int) -> None:
+    path = entry(cache)
+    path.write_bytes(path.read_bytes()[:length])
+    assert cache.get(KEY) is None
+
+
+def test_an_entry_of_another_programme_counts_as_none(cache: RenderCache) -> None:
+    entry(cache).write_bytes(b"\x02\x00\x00\x00\x00\x00\x00\x00{}")
+    assert cache.get(KEY) is None
+
+
+def test_a_damaged_entry_is_reported_once_and_replaced(
+    cache: RenderCache, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = entry(cache)
+    path.write_bytes(path.read_bytes()[:-1] + b"\x00")
+    with caplog.at_level(logging.WARNING):
+        assert cache.get(KEY) is None
+        assert cache.get(KEY) is None
+    assert len(caplog.messages) == 1
+    assert f"damaged cache entry {path}" in caplog.messages[0]
+    cache.put(KEY, radiance())
+    assert same(cache.get(KEY), radiance())
+
+
+def test_a_full_disk_is_one_line_and_leaves_nothing(
+    cache: RenderCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, content: bytes) -> int:
+        with path.open("wb") as file:
+            file.write(content[:10])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError, match="No space left on device; free space or choose") as caught:
+        cache.put(KEY, radiance())
+    assert "\n" not in str(caught.value)
+    assert [path for path in cache.folder.rglob("*") if path.is_file()] == []
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_picture_with_holes_is_not_kept(cache: RenderCache, value: float) -> None:
+    holed = radiance()
+    holed.image[0, 0, 0] = value
+    with pytest.raises(NonFiniteError, match="rendering of test-00001"):
+        cache.put(KEY, holed)
+    assert cache.get(KEY) is None
+
+
+def test_a_picture_of_the_wrong_shape_is_not_kept(cache: RenderCache) -> None:
+    with pytest.raises(ImageContractError, match="rendering of test-00001: got shape"):
+        cache.put(KEY, replace(radiance(), image=torch.zeros(4, 4)))
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match=r"cache folder .*file is a file: choose another folder"):
+        RenderCache(tmp_path / "file")
+
+
+def test_an_entry_that_cannot_be_read_is_the_users_to_mend(cache: RenderCache) -> None:
+    cache.path(KEY).mkdir(parents=True)
+    with pytest.raises(InputError, match=r"cannot read .*\.safetensors: Is a directory"):
+        cache.get(KEY)
+
+
+def test_sweeping_removes_unfinished_files_and_no_entry(cache: RenderCache) -> None:
+    path = entry(cache)
+    path.with_name(f".{path.name}.01234567.part").touch()
+    assert cache.sweep() == 1
+    assert [found.name for found in path.parent.iterdir()] == [path.name]
+    assert RenderCache(cache.folder / "none").sweep() == 0
+
+
+def test_the_same_picture_is_the_same_bytes(cache: RenderCache) -> None:
+    whole = entry(cache).read_bytes()
+    for _ in range(10):
+        assert entry(cache).read_bytes() == whole
+
+
+THREE_WRITERS = """
+import os, sys
+from pathlib import Path
+import torch
+from lrsr.data.cache import RenderCache
+from lrsr.rendering.radiance import Radiance
+
+key, cache = RenderCache.key({"who": 1}), RenderCache(Path(sys.argv[1]))
+image = torch.arange(3 * 64 * 64).reshape(3, 64, 64).float()
+picture = Radiance(image, torch.zeros(5, 2), 8.0, 1, 1.0, 0, "test-00000", "up", "side")
+for _ in range(3):
+    if os.fork() == 0:
+        status = 1
+        try:
+            for _ in range(60):
+                cache.sweep()
+                cache.put(key, picture)
+                if not torch.equal(cache.get(key).image, picture.image):
+                    raise ValueError("another picture")
+            status = 0
+        finally:
+            os._exit(status)
+sys.exit(sum(os.wait()[1] != 0 for _ in range(3)))
+"""
+
+
+def test_processes_that_write_the_same_entry_never_see_half_of_it(tmp_path: Path) -> None:
+    folder = tmp_path / "cache"
+    ended = subprocess.run(
+        [sys.executable, "-c", THREE_WRITERS, str(folder)], capture_output=True, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (0, b"")
+    assert [path.name for path in folder.rglob("*.*")] == [f"{KEY}.safetensors"]

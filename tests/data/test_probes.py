@@ -1,0 +1,300 @@
+"""Pictures come from the cache, or are made once; killed or interrupted, nothing is lost."""
+
+import logging
+import random
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import torch
+from fakes.maker import FakeMaker
+
+from lrsr.camera import Camera
+from lrsr.camera.exposure import KEY
+from lrsr.data.cache import RenderCache
+from lrsr.data.probes import (
+    ProbeRecipe,
+    load_probes,
+    load_radiances,
+    photograph,
+    render_missing,
+    stack,
+)
+from lrsr.errors import InputError
+from lrsr.identities.head import Head
+from lrsr.images import linear_to_srgb
+from lrsr.rendering.radiance import Radiance
+
+
+def recipes(people: int = 3, scales: Sequence[int] = (1, 2)) -> list[ProbeRecipe]:
+    return [
+        ProbeRecipe("test", index, scale=scale, ipd_px=4)
+        for scale in scales
+        for index in range(people)
+    ]
+
+
+def entries(cache: RenderCache) -> list[Path]:
+    return sorted(path for path in cache.folder.rglob("*") if path.is_file())
+
+
+def test_what_is_missing_is_rendered_once(cache: RenderCache, maker: FakeMaker) -> None:
+    wanted = recipes()
+    assert render_missing([*wanted, *wanted], cache, progress=False, maker=maker) == 6
+    assert sorted(maker.renders, key=wanted.index) == wanted
+    assert render_missing(wanted, cache, progress=False, maker=maker) == 0
+    assert len(maker.renders) == len(entries(cache)) == 6
+
+
+def test_a_head_is_built_once_however_the_recipes_are_ordered(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    wanted = recipes(5, scales=(1, 2, 4))
+    random.Random(0).shuffle(wanted)
+    render_missing(wanted, cache, progress=False, maker=maker)
+    assert sorted(maker.heads) == [f"test-{i:05d}" for i in range(5)]
+    order = [recipe.index for recipe in maker.renders]
+    assert sum(a != b for a, b in pairwise(order)) == 4
+
+
+def test_no_head_is_built_for_what_is_there(cache: RenderCache, maker: FakeMaker) -> None:
+    render_missing(recipes(2), cache, progress=False, maker=maker)
+    render_missing(recipes(3), cache, progress=False, maker=maker)
+    assert maker.heads == ["test-00000", "test-00001", "test-00002"]
+
+
+def test_the_next_head_is_built_while_this_one_is_rendered(cache: RenderCache) -> None:
+    built = threading.Event()
+
+    class Watched(FakeMaker):
+        def head(self, recipe: ProbeRecipe) -> Head:
+            if recipe.index == 1:
+                built.set()
+            return super().head(recipe)
+
+        def render(self, head: Head, recipe: ProbeRecipe) -> Radiance:
+            assert built.wait(timeout=30), "head 1 was not begun during the rendering of head 0"
+            assert threading.current_thread() is threading.main_thread()
+            return super().render(head, recipe)
+
+    assert render_missing(recipes(2, (1,)), cache, progress=False, maker=Watched()) == 2
+
+
+def test_new_versions_are_rendered_anew(cache: RenderCache, maker: FakeMaker) -> None:
+    render_missing(recipes(1), cache, progress=False, maker=maker)
+    maker.versions = {**maker.versions, "renderer": "2"}
+    assert render_missing(recipes(1), cache, progress=False, maker=maker) == 2
+
+
+def test_nothing_to_do_is_done_at_once(cache: RenderCache, maker: FakeMaker) -> None:
+    assert render_missing([], cache, maker=maker) == 0
+
+
+def test_progress_goes_to_stderr_and_can_be_silent(
+    cache: RenderCache, maker: FakeMaker, capfd: pytest.CaptureFixture[str]
+) -> None:
+    render_missing(recipes(2), cache, maker=maker)
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "rendering" in err
+    assert "4/4" in err
+    render_missing(recipes(3), cache, progress=False, maker=maker)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_damaged_entry_is_reported_once_and_made_again(
+    cache: RenderCache, maker: FakeMaker, caplog: pytest.LogCaptureFixture
+) -> None:
+    render_missing(recipes(), cache, progress=False, maker=maker)
+    before = {path: path.read_bytes() for path in entries(cache)}
+    damaged = entries(cache)[2]
+    damaged.write_bytes(damaged.read_bytes()[:-4] + b"oops")
+    with caplog.at_level(logging.WARNING):
+        assert render_missing(recipes(), cache, progress=False, maker=maker) == 1
+        load_radiances(recipes(), cache, progress=False, maker=maker)
+    assert [message.split(" (")[0] for message in caplog.messages] == [
+        f"damaged cache entry {damaged}"
+    ]
+    assert {path: path.read_bytes() for path in entries(cache)} == before
+
+
+def test_a_failure_while_rendering_keeps_what_was_done(cache: RenderCache) -> None:
+    class Failing(FakeMaker):
+        def render(self, head: Head, recipe: ProbeRecipe) -> Radiance:
+            if recipe.index == 2:
+                raise KeyboardInterrupt
+            return super().render(head, recipe)
+
+    with pytest.raises(KeyboardInterrupt):
+        render_missing(recipes(4, (1,)), cache, progress=False, maker=Failing())
+    again = FakeMaker()
+    assert render_missing(recipes(4, (1,)), cache, progress=False, maker=again) == 2
+    assert [recipe.index for recipe in again.renders] == [2, 3]
+
+
+def test_a_failure_while_building_a_head_is_raised_here(cache: RenderCache) -> None:
+    class Failing(FakeMaker):
+        def head(self, recipe: ProbeRecipe) -> Head:
+            if recipe.index == 1:
+                raise ZeroDivisionError("no such person")
+            return super().head(recipe)
+
+    with pytest.raises(ZeroDivisionError, match="no such person"):
+        render_missing(recipes(3, (1,)), cache, progress=False, maker=Failing())
+    assert len(entries(cache)) == 1
+
+
+def test_a_cache_that_cannot_be_written_is_one_line(tmp_path: Path, maker: FakeMaker) -> None:
+    cache = RenderCache(tmp_path / "file" / "cache")
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match=r"cannot (read|write) "):
+        render_missing(recipes(1), cache, progress=False, maker=maker)
+
+
+def test_a_cache_that_forgets_is_noticed(
+    cache: RenderCache, maker: FakeMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(RenderCache, "put", lambda *_: None)
+    with pytest.raises(InputError, match="loses what is written to it"):
+        load_probes(recipes(1), cache, Camera(), progress=False, maker=maker)
+
+
+KILLED = """
+import os, signal, sys, time
+from pathlib import Path
+from fakes.maker import FakeMaker
+from lrsr.data.cache import RenderCache
+from lrsr.data.probes import ProbeRecipe, render_missing
+
+recipes = [ProbeRecipe("test", i, scale=s, ipd_px=16) for i in range(20) for s in (1, 4)]
+for seconds in sys.argv[2:]:
+    child = os.fork()
+    if child == 0:
+        render_missing(recipes, RenderCache(Path(sys.argv[1])), maker=FakeMaker(0.01))
+        os._exit(0)
+    time.sleep(float(seconds))
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    entries = Path(sys.argv[1]).rglob("*.safetensors")
+    print(*sorted(f"{path.name}@{path.stat().st_ino}" for path in entries), flush=True)
+"""
+
+
+def test_killed_at_random_moments_it_goes_on_with_nothing_lost_doubled_or_half_written(
+    tmp_path: Path, maker: FakeMaker
+) -> None:
+    """kill -9, six times; every finished entry stays, and the end is that of a quiet run."""
+    folder, quiet = tmp_path / "killed", tmp_path / "quiet"
+    moments = [f"{random.Random(i).uniform(0.03, 0.2):.3f}" for i in range(6)]
+    killed = subprocess.run(
+        [sys.executable, "-c", KILLED, str(folder), *moments],
+        capture_output=True,
+        check=True,
+        text=True,
+        cwd=Path(__file__).parents[1],
+    )
+    after_each = [set(line.split()) for line in killed.stdout.splitlines()]
+    assert len(after_each) == 6
+    for earlier, later in pairwise(after_each):
+        assert earlier <= later, "a finished entry was lost or written again"
+    assert 0 < len(after_each[-1]) < 40
+
+    shard = next(folder.iterdir())
+    (shard / ".left-by-one-more-killed-writer.part").touch()
+    wanted = [ProbeRecipe("test", i, scale=s, ipd_px=16) for i in range(20) for s in (1, 4)]
+    for place, missing in ((folder, 40 - len(after_each[-1])), (quiet, 40)):
+        assert render_missing(wanted, RenderCache(place), progress=False, maker=maker) == missing
+    files = {
+        place: {path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
+        for place in (folder, quiet)
+    }
+    assert len(files[quiet]) == 40
+    assert files[folder] == files[quiet]
+
+
+def test_a_probe_carries_all_that_is_known(cache: RenderCache, maker: FakeMaker) -> None:
+    recipe = ProbeRecipe("train", 9, kind="gallery", pose="up", lighting="side", scale=2, seed=5)
+    camera = Camera("heavy", name="mine")
+    (probe,) = load_probes([recipe], cache, camera, progress=False, maker=maker)
+    assert (probe.identity_id, probe.kind, probe.pose, probe.lighting) == (
+        "train-00009",
+        "gallery",
+        "up",
+        "side",
+    )
+    assert (probe.compression, probe.camera, probe.seed) == ("heavy", "mine", 5)
+    assert (probe.ipd_px, probe.scale) == (8.0, 2)
+    assert probe.image.shape == (3, 64, 64)
+    assert torch.equal(probe.landmarks_px, torch.arange(10.0).reshape(5, 2) * 2)
+
+
+def test_the_picture_is_what_the_camera_makes_of_the_light(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    recipe = ProbeRecipe("test", 0)
+    (light,) = load_radiances([recipe], cache, progress=False, maker=maker)
+    (probe,) = load_probes([recipe], cache, Camera(), progress=False, maker=maker)
+    wanted = (linear_to_srgb(light.image * KEY / light.metered) * 255).round() / 255
+    assert torch.allclose(probe.image, wanted)
+
+
+def test_probes_come_in_the_order_of_their_recipes_whatever_their_sizes(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    wanted = [
+        ProbeRecipe(
+            "test", i % 7, ipd_px=4 + i % 3, scale=(1, 2)[i % 2], pose=("up", "left")[i % 2]
+        )
+        for i in range(80)
+    ]
+    probes = load_probes(wanted, cache, Camera("small"), progress=False, maker=maker)
+    for recipe, probe in zip(wanted, probes, strict=True):
+        assert (probe.identity_id, probe.ipd_px, probe.scale, probe.pose) == (
+            recipe.identity_id,
+            recipe.ipd_px,
+            recipe.scale,
+            recipe.pose,
+        )
+        alone = load_probes([recipe], cache, Camera("small"), progress=False, maker=maker)[0]
+        assert torch.equal(probe.image, alone.image)
+
+
+def test_another_camera_renders_nothing_anew(cache: RenderCache, maker: FakeMaker) -> None:
+    for camera in (Camera(), Camera("heavy"), Camera(exposure_ev=1.0)):
+        load_probes(recipes(), cache, camera, progress=False, maker=maker)
+    assert len(maker.renders) == 6
+
+
+def test_a_picture_taken_by_the_differentiable_camera_has_no_gradient(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    lights = load_radiances(recipes(1, (1,)), cache, progress=False, maker=maker)
+    lights[0].image.requires_grad_()
+    (probe,) = photograph(lights, Camera("heavy", codec="differentiable"), ["probe"])
+    assert not probe.image.requires_grad
+
+
+def test_no_probes_from_no_recipes(cache: RenderCache, maker: FakeMaker) -> None:
+    assert load_probes([], cache, Camera(), maker=maker) == []
+
+
+def test_probes_of_one_size_make_a_batch(cache: RenderCache, maker: FakeMaker) -> None:
+    probes = load_probes(recipes(3, (1,)), cache, Camera(), progress=False, maker=maker)
+    images, landmarks = stack(probes)
+    assert images.shape == (3, 3, 16, 16)
+    assert landmarks.shape == (3, 5, 2)
+    assert torch.equal(images[2], probes[2].image)
+
+
+def test_probes_of_two_sizes_make_no_batch(cache: RenderCache, maker: FakeMaker) -> None:
+    probes = load_probes(recipes(1), cache, Camera(), progress=False, maker=maker)
+    with pytest.raises(
+        InputError, match=r"probes of sizes \[\(16, 16\), \(32, 32\)\] make no batch"
+    ):
+        stack(probes)
+    with pytest.raises(InputError, match="make no batch"):
+        stack([])

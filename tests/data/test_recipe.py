@@ -1,0 +1,111 @@
+"""What changes the pixels is in the key, and nothing else."""
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from lrsr.data.cache import RenderCache
+from lrsr.data.recipe import ProbeRecipe, derived_seed
+from lrsr.errors import InputError
+from lrsr.rendering.scene import LIGHTINGS, POSES, Light, Lighting, Pose
+
+RECIPE = ProbeRecipe("test", 3)
+VERSIONS = {"renderer": "1"}
+OTHERS: dict[str, Any] = {
+    "split": "train",
+    "index": 4,
+    "pose": "left",
+    "lighting": "side",
+    "ipd_px": 9.0,
+    "scale": 2,
+    "samples_per_pixel": 16,
+    "seed": 1,
+    "texture_size": 64,
+    "skin": "subsurface",
+    "max_depth": 8,
+}
+
+
+def key(recipe: ProbeRecipe, **versions: str) -> str:
+    return RenderCache.key(recipe.plain({**VERSIONS, **versions}))
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_whatever_changes_the_pixels_changes_the_key(name: str) -> None:
+    assert key(replace(RECIPE, **{name: OTHERS[name]})) != key(RECIPE)
+
+
+def test_every_field_but_the_kind_is_such_a_thing() -> None:
+    assert set(OTHERS) | {"kind"} == set(RECIPE.__dataclass_fields__)
+    assert key(replace(RECIPE, kind="gallery")) == key(RECIPE)
+
+
+@pytest.mark.parametrize("name", ["renderer", "identities", "variant"])
+def test_new_code_makes_new_pictures(name: str) -> None:
+    assert key(RECIPE, **{name: "2"}) != key(RECIPE)
+
+
+def test_a_whole_distance_is_the_same_as_a_number_with_a_point() -> None:
+    assert key(replace(RECIPE, ipd_px=8)) == key(replace(RECIPE, ipd_px=8.0))
+
+
+def test_a_named_pose_is_its_angles_and_a_named_lighting_its_lights() -> None:
+    spelt_out = replace(RECIPE, pose=POSES["left"], lighting=LIGHTINGS["above"])
+    assert key(spelt_out) == key(replace(RECIPE, pose="left", lighting="above"))
+
+
+def test_any_pose_and_any_lighting_become_plain_values() -> None:
+    recipe = replace(
+        RECIPE,
+        pose=Pose("mine", yaw_deg=12.5),
+        lighting=Lighting("mine", (Light(10.0, 20.0), Light(-30.0, 40.0))),
+    )
+    plain = recipe.plain(VERSIONS)
+    assert json.loads(json.dumps(plain))["pose"]["yaw_deg"] == 12.5
+    turned = replace(recipe, pose=Pose("mine", yaw_deg=12.6))
+    relit = replace(recipe, lighting=Lighting("mine", (Light(10.0, 20.0), Light(-30.0, 41.0))))
+    assert len({key(recipe), key(turned), key(relit)}) == 3
+
+
+def test_a_key_is_the_sha_256_of_the_canonical_json() -> None:
+    # printf '{"a":1,"b":[2.5,"c"],"format":1}' | sha256sum
+    wanted = "3b68574c7de15bf8cac5d5cac45ebdc5d365053d1566c73a305f3abed0a3e565"
+    assert RenderCache.key({"b": [2.5, "c"], "a": 1}) == wanted
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"split": "testing"}, "split=testing: wanted one of train, validation, test"),
+        ({"kind": "mugshot"}, "kind=mugshot: wanted one of probe, gallery"),
+        ({"index": -1}, "index=-1: wanted a number >= 0"),
+        ({"scale": 3}, "scale=3: wanted one of"),
+        ({"ipd_px": 0}, "ipd_px=0.0: wanted a number of pixels > 0"),
+        ({"ipd_px": float("nan")}, "ipd_px=nan"),
+        ({"samples_per_pixel": 0}, "samples_per_pixel=0"),
+        ({"seed": 2**32}, "seed=4294967296: wanted 0 to 4294967295"),
+        ({"texture_size": 1}, "texture_size=1"),
+        ({"max_depth": 0}, "max_depth=0"),
+        ({"pose": "sideways"}, "pose 'sideways' does not exist; choose one of frontal"),
+        ({"lighting": "noon"}, "lighting 'noon' does not exist; choose one of frontal"),
+    ],
+    ids=lambda value: "-".join(value) if isinstance(value, dict) else "",
+)
+def test_a_value_out_of_range_is_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        replace(RECIPE, **changes)
+
+
+def test_seeds_differ_between_pictures_and_not_between_runs() -> None:
+    pictures = [("test", i, pose) for i in range(50) for pose in ("frontal", "left")]
+    seeds = [derived_seed(0, *picture) for picture in pictures]
+    assert len(set(seeds)) == len(pictures)
+    assert all(0 <= seed < 2**32 for seed in seeds)
+    assert seeds == [derived_seed(0, *picture) for picture in pictures]
+    assert derived_seed(1, *pictures[0]) != seeds[0]
+
+
+def test_a_seed_depends_on_the_angles_of_a_pose() -> None:
+    assert derived_seed(0, Pose("a", 1.0)) != derived_seed(0, Pose("a", 2.0))
