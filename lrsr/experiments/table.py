@@ -7,13 +7,21 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.evaluation.biometrics import d_prime, equal_error_rate
+from lrsr.evaluation.biometrics import (
+    OperatingPoint,
+    cmc,
+    d_prime,
+    equal_error_rate,
+    fnmr_at_fmr,
+)
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
 from lrsr.experiments.settings import Condition
 from lrsr.recognition.scores import Scores
 
 BICUBIC_OF = {"srcnn2": "bicubic2", "srcnn2x2": "bicubic4", "srcnn4": "bicubic4"}
 """What each learned method must beat: the bicubic enlargement by the same factor."""
+
+TARGET_FMRS = (1e-1, 1e-2, 1e-3)
 
 
 @dataclass(frozen=True)
@@ -42,7 +50,9 @@ class Row:
         psnr_y_db: Mean over the probes, against the true reference; None where nothing is enlarged.
         fta: Share of the probes without a score.
         eer: Equal error rate.
-        d_prime: Distance of the means over the pooled deviation; None where it is not defined.
+        d_prime: Distance of the means over the pooled deviation.
+        rank_1: Share of the probes whose own gallery picture is the most alike of all.
+        fnmr: FNMR at each of :data:`TARGET_FMRS`, with the FMR that was achieved.
     """
 
     experiment: str
@@ -66,7 +76,9 @@ class Row:
     psnr_y_db: float | None
     fta: float
     eer: float
-    d_prime: float | None
+    d_prime: float
+    rank_1: float
+    fnmr: tuple[OperatingPoint, ...]
 
 
 @dataclass(frozen=True)
@@ -139,7 +151,9 @@ def make_row(
         psnr_y_db=_finite(psnr_y_db),
         fta=scores.fta,
         eer=equal_error_rate(genuine, impostor).eer,
-        d_prime=_finite(d_prime(genuine, impostor)),
+        d_prime=d_prime(genuine, impostor),
+        rank_1=cmc(scores, max_rank=1).rank_1,
+        fnmr=tuple(fnmr_at_fmr(genuine, impostor, fmr, level) for fmr in TARGET_FMRS),
     )
 
 

@@ -1,0 +1,42 @@
+"""An embedder of two nodes that tells painted people apart."""
+
+from pathlib import Path
+
+import onnx
+import pytest
+from onnx import TensorProto, helper
+
+from lrsr.recognition.contract import Contract, contract_path, sha256_of, write_contract
+
+
+@pytest.fixture(scope="session")
+def tone_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Average a face over 7 x 7 tiles: 147 numbers."""
+    path = tmp_path_factory.mktemp("model") / "tones.onnx"
+    nodes = [
+        helper.make_node(
+            "AveragePool", ["faces"], ["tiles"], kernel_shape=[16, 16], strides=[16, 16]
+        ),
+        helper.make_node("Flatten", ["tiles"], ["embeddings"]),
+    ]
+    faces = helper.make_tensor_value_info("faces", TensorProto.FLOAT, ["batch", 3, 112, 112])
+    embeddings = helper.make_tensor_value_info("embeddings", TensorProto.FLOAT, ["batch", 147])
+    graph = helper.make_graph(nodes, "tones", [faces], [embeddings])
+    opset = helper.make_opsetid("", 18)
+    onnx.save(helper.make_model(graph, opset_imports=[opset], ir_version=9), path)
+    contract = Contract(
+        sha256=sha256_of(path),
+        licence="MIT",
+        source="a test",
+        layout="NCHW",
+        channels="RGB",
+        height_px=112,
+        width_px=112,
+        mean=127.5,
+        scale=127.5,
+        dimension=147,
+        template="arcface5",
+        antialias=False,
+    )
+    contract_path(path).write_text(write_contract(contract))
+    return path

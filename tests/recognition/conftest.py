@@ -1,0 +1,81 @@
+"""People made of paint: each identity a smooth random picture, seen as the recipe says."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import onnx
+import pytest
+from fakes.painted import PaintedMaker
+from onnx import TensorProto, helper
+
+from lrsr.data.cache import RenderCache
+from lrsr.recognition.contract import Contract, contract_path, sha256_of, write_contract
+
+
+@pytest.fixture
+def maker() -> PaintedMaker:
+    return PaintedMaker()
+
+
+@pytest.fixture
+def cache(tmp_path: Path) -> RenderCache:
+    return RenderCache(tmp_path / "cache")
+
+
+WriteModel = Callable[..., Path]
+
+
+@pytest.fixture
+def write_model(tmp_path: Path) -> WriteModel:
+    """Write three nodes that return each channel's mean over the face, and twice that."""
+
+    def write(
+        *, layout: str = "NCHW", batch: int | str = "batch", side: int = 112, **declared: object
+    ) -> Path:
+        path = tmp_path / "tiny.onnx"
+        onnx.save(_three_nodes(layout, batch, side), path)
+        contract: dict[str, Any] = {
+            "sha256": sha256_of(path),
+            "licence": "MIT",
+            "source": "a test",
+            "layout": layout,
+            "channels": "RGB",
+            "height_px": 112,
+            "width_px": 112,
+            "mean": 127.5,
+            "scale": 127.5,
+            "dimension": 6,
+            "template": "arcface5",
+            "antialias": False,
+        }
+        contract_path(path).write_text(write_contract(Contract(**{**contract, **declared})))
+        return path
+
+    return write
+
+
+def _three_nodes(layout: str, batch: int | str, side: int) -> onnx.ModelProto:
+    shape = [batch, 3, side, side] if layout == "NCHW" else [batch, side, side, 3]
+    graph = helper.make_graph(
+        [
+            helper.make_node("ReduceMean", ["faces", "axes"], ["means"], keepdims=0),
+            helper.make_node("Mul", ["means", "two"], ["twice"]),
+            helper.make_node("Concat", ["means", "twice"], ["embeddings"], axis=1),
+        ],
+        "tiny",
+        [helper.make_tensor_value_info("faces", TensorProto.FLOAT, shape)],
+        [helper.make_tensor_value_info("embeddings", TensorProto.FLOAT, [batch, 6])],
+        [
+            helper.make_tensor(
+                "axes", TensorProto.INT64, [2], [2, 3] if layout == "NCHW" else [1, 2]
+            ),
+            helper.make_tensor("two", TensorProto.FLOAT, [1], [2.0]),
+        ],
+    )
+    return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 18)], ir_version=9)
+
+
+@pytest.fixture
+def tiny_model(write_model: WriteModel) -> Path:
+    return write_model()
