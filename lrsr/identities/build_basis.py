@@ -345,7 +345,9 @@ def _equalise(
     return np.interp(along, bins, total_length / total_length[-1])
 
 
-def lay_out(base: BaseMesh, topology: Topology, template: NDArray[np.float64]) -> NDArray[np.float64]:
+def lay_out(
+    base: BaseMesh, topology: Topology, template: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Give the head a texture layout of its own: ``(N, 2)`` for every uv index, v downwards.
 
     The islands of MakeHuman's layout are kept (they do not overlap), each in its tile. The head is
@@ -452,7 +454,9 @@ def build(data: Path) -> dict[str, NDArray[np.generic]]:
     used_uv, uv_quads = np.unique(topology.uv_quads, return_inverse=True)
     steps = np.rint(offsets[:, kept] / UNIT_MM).astype(np.int64)
     if np.abs(steps).max() > 32767:
-        raise InputError(f"{names[np.abs(steps).max(axis=(1, 2)).argmax()]} moves a vertex > 327 mm")
+        raise InputError(
+            f"{names[np.abs(steps).max(axis=(1, 2)).argmax()]} moves a vertex > 327 mm"
+        )
     column, row = np.nonzero(steps.any(axis=2))
     counts = np.bincount(column, minlength=len(names))
     inputs = [base_path, data / "mpfb2" / "targets" / "target.json"]

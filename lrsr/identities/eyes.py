@@ -11,8 +11,9 @@ from lrsr.identities.basis import BaseHead, Basis
 
 Points = NDArray[np.float64]
 
-GAZE_SHARE = 0.8
-"""How far an eye turns from straight ahead to the centre of its lids: without it many look up."""
+GAZE_SHARE = np.array([0.35, 0.8, 0.0])
+"""How far an eye turns from straight ahead to the centre of its lids, across and up: without it
+many look up; sideways the lids open farther out than eyes look."""
 LID_CLEARANCE = 1.03
 """Skin of the lids stays outside this many radii of the eyeball."""
 LID_REACH = 1.5

@@ -54,7 +54,9 @@ def draw_triangles(
 
     total = _twice_area(a, b, c)
     total = np.where(total == 0.0, np.nan, total)
-    weights = np.stack([_twice_area(b, c, point), _twice_area(c, a, point)], axis=1) / total[:, None]
+    weights = (
+        np.stack([_twice_area(b, c, point), _twice_area(c, a, point)], axis=1) / total[:, None]
+    )
     weights = np.concatenate([weights, 1.0 - weights.sum(axis=1, keepdims=True)], axis=1)
     inside = (weights >= -1e-9).all(axis=1)
     triangle, weights = triangle[inside], weights[inside]
@@ -65,9 +67,7 @@ def draw_triangles(
     return drawn, mask
 
 
-def fill_outside(
-    values: NDArray[np.float64], mask: NDArray[np.bool_]
-) -> NDArray[np.float64]:
+def fill_outside(values: NDArray[np.float64], mask: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Give every texel beyond the mask the value of the nearest texel within: ``(H, W, C)``."""
     nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
     return values[tuple(nearest)]

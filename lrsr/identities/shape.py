@@ -3,7 +3,8 @@ different from each other and yet plausible.
 
 Single targets are drawn from a normal distribution, but their joint extremes are cut: within one
 region (nose, mouth, ...) the vector of draws is shortened to the length that a typical vector has,
-and each slider saturates softly. Widths and dampings come from looking at some hundred heads.
+each slider saturates softly, and together they keep to human proportions
+(:mod:`lrsr.identities.proportions`). Widths and dampings come from looking at some hundred heads.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,6 +13,8 @@ from typing import TypedDict
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
+
+from lrsr.identities.proportions import Gauge, restrain
 
 GENDERS = ("female", "male")
 AGES = ("young", "old")
@@ -54,6 +57,15 @@ DAMPING = {
     "neck-double": 0.6,
     "mouth-angles": 0.6,
     "mouth-scale-depth": 0.7,
+    "mouth-laugh-lines": 0.6,
+    "mouth-dimples": 0.6,
+    "cheek-inner": 0.7,
+    "cheek-volume": 0.7,
+    "chin-bones": 0.7,
+    "chin-cleft": 0.7,
+    "eye-bag": 0.6,
+    "nose-septumangle": 0.6,
+    "nose-compression": 0.6,
     "head-age": 0.4,
     "head-fat": 0.8,
     "chin-jaw-drop": 0.7,
@@ -123,13 +135,21 @@ def _damping(slider: str) -> float:
     return next((f for start, f in DAMPING.items() if pair.startswith(start)), 1.0)
 
 
-def _draw_sliders(names: Sequence[str], age: float, rng: Generator) -> dict[str, float]:
-    values: dict[str, float] = {}
+def _draw_sliders(
+    names: Sequence[str], gauge: Gauge, age: float, rng: Generator
+) -> dict[str, float]:
+    drawn: dict[str, float] = {}
+    widths: list[float] = []
     for region, sliders in _pairs(names).items():
         z = rng.standard_normal(len(sliders))
         z *= min(1.0, 1.05 * np.sqrt(len(z)) / np.linalg.norm(z))
         width = REGION_WIDTH[region] * SHAPE_GAIN * np.array([_damping(s) for s in sliders])
-        values |= dict(zip(sliders, (1.1 * np.tanh(z * width / 1.1)).tolist(), strict=True))
+        drawn |= dict(zip(sliders, (1.1 * np.tanh(z * width / 1.1)).tolist(), strict=True))
+        widths += width.tolist()
+    place = {name: k for k, name in enumerate(names)}
+    ends = np.array([[place[f"{slider}/-"], place[f"{slider}/+"]] for slider in drawn])
+    kept = restrain(gauge, np.array(list(drawn.values())), ends, np.array(widths))
+    values = dict(zip(drawn, kept.tolist(), strict=True))
     beyond = max(0.0, age - 0.3)
     for slider, gain in AGE_SLIDERS.items():
         values[slider] += gain * beyond * abs(rng.normal(0.7, 0.5))
@@ -149,12 +169,13 @@ def _draw_expression(names: Sequence[str], rng: Generator) -> dict[str, float]:
 
 
 def sample_anatomy(
-    names: Sequence[str], rng: Generator, *, masculinity: float, age: float
+    names: Sequence[str], gauge: Gauge, rng: Generator, *, masculinity: float, age: float
 ) -> Anatomy:
     """Draw a person's anatomy beyond sex, age and ancestry.
 
     Args:
         names: The fields of the basis.
+        gauge: What they do to the measures of a face.
         rng: Source of randomness.
         masculinity: 0 (female) to 1 (male).
         age: 0 (25 years) to 1 (old).
@@ -172,7 +193,7 @@ def sample_anatomy(
         "head_shapes": dict(
             zip(shapes, (amount * rng.dirichlet([0.3] * len(shapes))).tolist(), strict=True)
         ),
-        "sliders": _draw_sliders(names, age, rng),
+        "sliders": _draw_sliders(names, gauge, age, rng),
         "asymmetry": {
             side: float(value) for side, value in zip(sides, asymmetry, strict=True) if value > 0
         },

@@ -97,7 +97,7 @@ def split_smoothly(quads: Quads, n_vertices: int) -> Subdivision:
     linear = split_linearly(quads, n_vertices)
     edges, side_edges, counts = _edges(quads)
     n_edges = len(edges)
-    middle, centre = linear.matrix[n_vertices:-len(quads)], linear.matrix[-len(quads) :]
+    middle, centre = linear.matrix[n_vertices : -len(quads)], linear.matrix[-len(quads) :]
     border = counts == 1
 
     faces_of_edge = _selector(
