@@ -161,7 +161,8 @@ def equal_error_rate(
       and impostor scores tie), the rule of FVC2000 (Maio et al., IEEE TPAMI 24, 2002): of the two
       thresholds on either side, the mean of FMR and FNMR at the one where their sum is less.
     - ``hull``: where the convex hull of the ROC curve meets FMR = FNMR: the least error of a
-      system that may also choose between two thresholds by lot. Never above ``steps``.
+      system that may also choose between two thresholds by lot. Without such ties it is never
+      above ``steps``.
 
     Args:
         genuine: ``(m,)`` scores of mated pairs, higher = more alike, m >= 1.

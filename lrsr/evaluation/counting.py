@@ -10,16 +10,14 @@ on which NumPy sorts faster than it looks up) the block is sorted instead; the c
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ScoreError
+from lrsr.evaluation.lookup import Table, build_table, compare, sorting_is_slow
 
 Array = NDArray[Any]
 Ints = NDArray[np.int64]
@@ -158,88 +156,6 @@ def class_placements(ties: Ints) -> Ints:
     return 2 * int(ties.sum()) - np.cumsum(beaten)
 
 
-@dataclass(frozen=True)
-class _Table:
-    """Bins that rise with the score: ``floor((clip(x, first, last) - first) * per_unit)``.
-
-    Subtraction, product and truncation each keep the order in floating point, so no score above
-    another lies in a lower bin, however the arithmetic rounds.
-    """
-
-    first: Any
-    last: Any
-    per_unit: Any
-    classes: NDArray[np.int32]
-    """``(bins,)`` class of every impostor score of the bin; -1 where a genuine score shares it."""
-
-    def bins(self, scores: Array) -> NDArray[np.intp]:
-        """Return the bin of each score, ``(n,)``."""
-        if scores.dtype != self.first.dtype:
-            scores = scores.astype(self.first.dtype)
-        place = np.clip(scores, self.first, self.last)
-        place -= self.first
-        place *= self.per_unit
-        return place.astype(np.intp)
-
-
-def _build_table(values: Array) -> _Table | None:
-    """Lay bins over the bulk of the distinct genuine scores; None where no fair table exists.
-
-    The ends come from the quartiles, three times their distance away (or the extremes, where those
-    are nearer), so that one stray score cannot put all the others into one bin.
-    """
-    size = 1 << min(int(12 * values.size).bit_length(), 16)
-    if not 8 <= 2 * values.size <= size // 4:
-        return None
-    kind = np.float32 if values.dtype == np.float32 else np.float64
-    points = values.astype(np.float64)
-    lower, upper = points[values.size // 4], points[-1 - values.size // 4]
-    with np.errstate(over="ignore", invalid="ignore"):
-        reach = 3 * (upper - lower)
-        least, most = max(points[0], lower - reach), min(points[-1], upper + reach)
-        margin = 4 * (most - least) / size
-        first, last = kind(least - margin), kind(most + margin)
-        per_unit = kind((size - 1) / (float(last) - float(first)))
-        bounded = np.isfinite(last - first) and np.isfinite(per_unit)
-    if not bounded or per_unit <= 0 or (last - first) * per_unit >= size:
-        return None
-    table = _Table(first, last, per_unit, np.empty(size, dtype=np.int32))
-    occupied = np.bincount(table.bins(values), minlength=size)
-    classes = (2 * np.cumsum(occupied)).astype(np.int32)
-    classes[occupied > 0] = -1
-    return _Table(first, last, per_unit, classes)
-
-
-@cache
-def _sorting_is_slow(dtype: str) -> bool:
-    """Say whether looking scores of this dtype up is faster here than sorting them.
-
-    Timed once per process: with AVX-512 NumPy sorts float32 faster than it gathers, without it
-    several times slower. Either way counts the same.
-    """
-    scores = np.linspace(0, 1000, 1 << 14).astype(dtype)
-    np.random.default_rng(0).shuffle(scores)
-    table = _build_table(np.unique(scores[:400]))
-    if table is None:
-        return False
-
-    def look_up() -> None:
-        bins = table.bins(scores)
-        np.flatnonzero((table.classes < 0)[bins])
-        np.bincount(bins, minlength=table.classes.size)
-
-    return _seconds(look_up) < _seconds(lambda: np.sort(scores))
-
-
-def _seconds(work: Callable[[], object]) -> float:
-    times = []
-    for _ in range(5):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return min(times)
-
-
 class Counter:
     """Counts impostor scores against fixed genuine scores, block after block.
 
@@ -265,11 +181,22 @@ class Counter:
         self._below: Ints = np.zeros(self.values.size, dtype=np.int64)
         self._at_or_below: Ints = np.zeros(self.values.size, dtype=np.int64)
         self._n = 0
-        self._lay_table()
+        self._table: Table | None = None
+        self._of_class = class_placements(self.ties)
+        self._of_bin: Ints = np.zeros(0, dtype=np.int64)
+        self._in_bin: Ints = np.zeros(0, dtype=np.int64)
+        self._table_pays = True
 
-    def _lay_table(self) -> None:
-        self._table = _build_table(self._exact)
-        self._in_bin: Ints = np.zeros(self._table.classes.size if self._table else 0, np.int64)
+    def _lay_table(self) -> Table | None:
+        """Return the table, laid when it is first needed; None where it has no use."""
+        if self._table is None and self._table_pays:
+            self._table = build_table(self._exact)
+            self._table_pays = self._table is not None
+            if self._table is not None:
+                self._in_bin = np.zeros(self._table.close.size, dtype=np.int64)
+                placements = self._of_class[2 * self._table.below]
+                self._of_bin = np.where(self._table.close, -1, placements)
+        return self._table
 
     def add(self, impostor: ArrayLike) -> None:
         """Count more impostor scores, any shape and any number.
@@ -290,7 +217,7 @@ class Counter:
         """Return the counts of all impostor scores so far."""
         lo, hi = self._below.copy(), self._at_or_below.copy()
         if self._table is not None:
-            counted_whole = np.where(self._table.classes < 0, 0, self._in_bin)
+            counted_whole = np.where(self._table.close, 0, self._in_bin)
             under = np.cumsum(counted_whole)[self._table.bins(self._exact)]
             lo += under
             hi += under
@@ -306,12 +233,23 @@ class Counter:
         """
         scores = check_scores(impostor, "impostor", at_least=0)
         check_finite(scores, "impostor", self._n)
-        classes = self._classes(self._comparable(scores))
-        sizes = np.bincount(classes, minlength=2 * self.values.size + 1)
-        self._below += np.cumsum(sizes)[:-1:2]
-        self._at_or_below += np.cumsum(sizes)[1::2]
+        places = self._place(self._comparable(scores))
+        sizes = np.bincount(places, minlength=int(self._of_class[0]) + 1)
+        at_or_under = np.cumsum(sizes[self._of_class])
+        self._below += at_or_under[:-1:2]
+        self._at_or_below += at_or_under[1::2]
         self._n += scores.size
-        return class_placements(self.ties)[classes]
+        return places
+
+    def _place(self, block: Array) -> Ints:
+        table = self._lay_table()
+        if table is None:
+            return self._of_class[compare(block, self._exact)]
+        bins = table.bins(block)
+        places = self._of_bin[bins]
+        close = np.flatnonzero(places < 0)
+        places[close] = self._of_class[table.classify(block[close], bins[close], self._exact)]
+        return places
 
     def _comparable(self, block: Array) -> Array:
         """Return the block in the dtype of comparison, widening the genuine scores if need be.
@@ -323,13 +261,12 @@ class Counter:
         if exact.dtype != self._exact.dtype:
             self._settle()
             self._exact = exact
-            self._lay_table()
         return block
 
     def _settle(self) -> None:
-        """Move the counts of the present table into lo and hi before the table changes."""
+        """Move the counts of the present table into lo and hi and drop the table."""
         counts = self.counts()
-        self._below, self._at_or_below = counts.lo, counts.hi
+        self._below, self._at_or_below, self._table = counts.lo, counts.hi, None
 
     def _count(self, block: Array) -> None:
         candidate = block >= self._exact[0]
@@ -338,36 +275,23 @@ class Counter:
             self._below += block.size - n_candidates
             self._at_or_below += block.size - n_candidates
             block = block[np.flatnonzero(candidate)]
-        if self._table is not None and _sorting_is_slow(block.dtype.str):
-            block = self._set_aside(block, self._table)
+        if sorting_is_slow(block.dtype.str) and (table := self._lay_table()) is not None:
+            block = self._set_aside(block, table)
         if block.size:
             block = np.sort(block)
             self._below += np.searchsorted(block, self._exact, side="left")
             self._at_or_below += np.searchsorted(block, self._exact, side="right")
 
-    def _set_aside(self, scores: Array, table: _Table) -> Array:
+    def _set_aside(self, scores: Array, table: Table) -> Array:
         """Count by bins what can be so counted; return the scores that must be compared."""
         bins = table.bins(scores)
-        close = np.flatnonzero((table.classes < 0)[bins])
+        close = np.flatnonzero(table.close[bins])
         if close.size > _MOST_CLOSE * scores.size:
             self._settle()
-            self._table = None
+            self._table_pays = False
             return scores
-        self._in_bin += np.bincount(bins, minlength=table.classes.size)
+        self._in_bin += np.bincount(bins, minlength=table.close.size)
         return scores[close]
-
-    def _classes(self, block: Array) -> Array:
-        """Return the class, 0 to 2k, of each score: see :attr:`Counts.classes`."""
-        if self._table is None:
-            return self._compare(block)
-        classes = self._table.classes[self._table.bins(block)]
-        close = np.flatnonzero(classes < 0)
-        classes[close] = self._compare(block[close])
-        return classes
-
-    def _compare(self, scores: Array) -> Array:
-        left = np.searchsorted(self._exact, scores, side="left")
-        return left + np.searchsorted(self._exact, scores, side="right")
 
 
 def count(genuine: ArrayLike, impostor: ArrayLike) -> Counts:

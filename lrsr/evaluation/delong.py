@@ -272,9 +272,10 @@ def _difference_moments(
 ) -> tuple[int, int]:
     """Sum the differences of doubled impostor placements, and their squares; count on the way."""
     total = squares = 0
-    for start in range(0, impostors[0].size, BLOCK):
+    step = max(BLOCK // 2, 8 * counters[0].values.size)
+    for start in range(0, impostors[0].size, step):
         a, b = (
-            counter.place(impostor[start : start + BLOCK])
+            counter.place(impostor[start : start + step])
             for counter, impostor in zip(counters, impostors, strict=True)
         )
         a -= b

@@ -223,8 +223,9 @@ def band(curve: RocCurve, level: float = 0.95) -> RocBand:
     """
     normal_quantile(level)
     each = math.sqrt(level)
-    fmr_low, fmr_high = wilson_interval(curve.false_matches, curve.n_impostor, each)
-    tmr_low, tmr_high = wilson_interval(curve.true_matches, curve.n_genuine, each)
+    top = np.append(np.diff(curve.false_matches) > 0, True)  # of the upright pieces
+    fmr_low, fmr_high = wilson_interval(curve.false_matches[top], curve.n_impostor, each)
+    tmr_low, tmr_high = wilson_interval(curve.true_matches[top], curve.n_genuine, each)
     grid = np.unique(np.concatenate((curve.fmr, fmr_low, fmr_high, [0.0, 1.0])))
     # Below: the best rectangle that surely lies left of this FMR. Above: the first that surely
     # lies right of it.

@@ -28,7 +28,7 @@ DRAWS: dict[str, Draw] = {
 def _either_way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the processor look slow, or fast, at sorting."""
     slow = bool(request.param)
-    monkeypatch.setattr(counting, "_sorting_is_slow", lambda _: slow)
+    monkeypatch.setattr(counting, "sorting_is_slow", lambda _: slow)
 
 
 @pytest.mark.usefixtures("_either_way")
@@ -181,7 +181,3 @@ def test_inputs_are_left_as_they_were() -> None:
     genuine, impostor = np.array([3.0, 1.0]), np.array([2.0, 0.0, 5.0])
     count(genuine, impostor)
     assert (genuine.tolist(), impostor.tolist()) == ([3, 1], [2, 0, 5])
-
-
-def test_the_choice_of_the_way_is_made_for_each_dtype() -> None:
-    assert isinstance(counting._sorting_is_slow("<f4"), bool)

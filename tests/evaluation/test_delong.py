@@ -73,7 +73,7 @@ def test_auc_agrees_with_scikit_learn(dtype: type, decimals: int) -> None:
 
 
 @given(genuine=score_lists, impostor=score_lists)
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 def test_estimate_is_the_rational_result_rounded(genuine: list[int], impostor: list[int]) -> None:
     estimate = estimate_auc(genuine, impostor)
     assert estimate.auc == float(oracle.auc(genuine, impostor))
@@ -84,7 +84,7 @@ def test_estimate_is_the_rational_result_rounded(genuine: list[int], impostor: l
     genuine=st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=2, max_size=20),
     impostor=st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=2, max_size=20),
 )
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 def test_comparison_is_the_rational_result_rounded(
     genuine: list[tuple[int, int]], impostor: list[tuple[int, int]]
 ) -> None:
