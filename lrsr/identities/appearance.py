@@ -120,7 +120,7 @@ def sample_appearance(
     return {
         "complexion": complexion,
         "lips": {
-            "blood": float(rng.uniform(0.7, 2.0 + 0.4 * (1 - masculinity))),
+            "blood": float(rng.uniform(0.6, 1.7)),
             "melanin": float(rng.uniform(0.0, 0.35)),
         },
         "make_up": _sample_make_up(rng, masculinity),
@@ -291,7 +291,7 @@ class SkinPainter:
     def _paint_beard(
         self, albedo: FloatMap, appearance: Appearance, rng: Generator
     ) -> FloatMap | None:
-        """Paint shaven hair and the beard; return how thick it grows on ``JAW``, if there is one."""
+        """Paint shaven hair and the beard; return how thick it grows on ``JAW``."""
         beard = appearance["beard"]
         colour = hair_rgb(appearance["hair_colour"], darker=2.0, grey=beard["grey"])
         if beard["shadow"] > 0:

@@ -1,7 +1,7 @@
 """What grows on a man's jaw? Nothing, stubble, moustache, goatee, chin beard or a full beard.
 
 The region is a soft mask over the template; the hairs are strands on a sheet wrapped around the
-jaw (azimuth by elevation about a point inside the head), which stretches little even below the chin.
+jaw (azimuth by elevation about a point inside the head), which stretches little below the chin.
 """
 
 from typing import Any, Literal, TypedDict, get_args
@@ -26,8 +26,11 @@ _STRAND_POINTS = 4
 
 
 class Beard(TypedDict):
-    """One person's beard; ``shadow`` is the blue-grey of shaven hair below the skin,
-    ``grey`` multiplies the share of white hairs on the head."""
+    """One person's beard.
+
+    ``shadow`` is the blue-grey of shaven hair below the skin, [0, 1]; ``grey`` multiplies the share
+    of white hairs on the head.
+    """
 
     kind: BeardKind
     density: float
@@ -258,6 +261,5 @@ def thin_out(beard: Beard, rng: Generator, shape: tuple[int, int]) -> FloatMap:
     """
     grid = rng.standard_normal((14, 26), dtype=np.float32)
     noise = cv2.resize(grid, shape[::-1], interpolation=cv2.INTER_CUBIC)
-    return np.clip(1 - np.float32(0.45 * beard["patchiness"]) * (noise + 0.3), 0, 1).astype(
-        np.float32
-    )
+    thinner = np.float32(0.45 * beard["patchiness"]) * (noise + np.float32(0.3))
+    return np.asarray(np.clip(1 - thinner, 0, 1), dtype=np.float32)

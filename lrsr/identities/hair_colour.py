@@ -45,8 +45,8 @@ def sample_hair_colour(rng: Generator, *, age: float, ancestry: ArrayLike) -> Ha
     pheomelanin = 0.12 * np.exp(rng.normal(0.0, 0.6))
     if rng.random() < 0.08 * european**2:
         eumelanin, pheomelanin = rng.uniform(0.08, 0.5), rng.uniform(0.7, 1.6)
-    onset = 0.56 - 0.10 * european
-    grey = np.clip(rng.normal(1.5 * (age - onset), 0.22), 0.0, 1.0) if age > 0.15 else 0.0
+    onset = 0.66 - 0.08 * european
+    grey = np.clip(rng.normal(1.7 * (age - onset), 0.2), 0.0, 1.0) if age > 0.15 else 0.0
     return {
         "eumelanin": float(np.clip(eumelanin, 0.05, 9.0)),
         "pheomelanin": float(np.clip(pheomelanin, 0.02, 1.8)),

@@ -124,7 +124,7 @@ def lid_margin(pixels: FloatMap, width_mm: float, *, upper: bool = False) -> Flo
         thickness = max(1, round(width_mm / FACE.pixel_mm))
         cv2.polylines(sheet, points, not upper, 255, thickness, cv2.LINE_AA, shift=4)
     sheet = cv2.GaussianBlur(sheet, (0, 0), 0.3 * width_mm / FACE.pixel_mm)
-    return FACE.sample(sheet, pixels).astype(np.float32) / 255
+    return np.asarray(FACE.sample(sheet, pixels) / np.float32(255), dtype=np.float32)
 
 
 def blood_regions(position: NDArray[Any]) -> dict[str, FloatMap]:

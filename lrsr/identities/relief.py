@@ -34,4 +34,4 @@ def displace(
         [np.bincount(corner, np.tile(across[:, k], 3), len(vertices)) for k in range(3)], axis=1
     )
     length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return vertices + height[:, None] * normals / np.maximum(length, 1e-12)
+    return np.asarray(vertices + height[:, None] * normals / np.maximum(length, 1e-12))

@@ -1,0 +1,210 @@
+import json
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from lrsr.identities import regions
+from lrsr.identities.appearance import SkinPainter, paint_skin, sample_appearance
+from lrsr.identities.morphable import position_map, template
+
+SIZE = 256
+EUROPEAN, AFRICAN = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
+
+
+@lru_cache
+def _painter():
+    return SkinPainter(*position_map(SIZE), vertices=template().skin)
+
+
+def _person(seed=0, *, masculinity=0.2, age=0.2, ancestry=EUROPEAN, **changes):
+    person = sample_appearance(
+        np.random.default_rng(seed), masculinity=masculinity, age=age, ancestry=ancestry
+    )
+    for part, values in changes.items():
+        person[part] = person[part] | values
+    return person
+
+
+def _plain(**changes):
+    """A person without make-up, marks, beard or much mottling."""
+    plain = {
+        "make_up": {"lipstick": 0.0, "eyeliner": 0.0, "eyeshadow": 0.0},
+        "marks": {"moles": 0, "freckles": 0, "age_spots": 0},
+        "beard": {"kind": "none", "shadow": 0.0},
+        "complexion": {"melanin": 0.022, "blood": 0.022},
+    }
+    for part, values in changes.items():
+        plain[part] = plain.get(part, {}) | values
+    return _person(**plain)
+
+
+def _paint(person, seed=0):
+    return _painter().paint(person, seed)
+
+
+def _texels(centre, radius_mm=4.0):
+    points, mask = position_map(SIZE)
+    near = np.linalg.norm(points[..., :2] - np.array(centre), axis=-1) < radius_mm
+    return near & mask & (points[..., 2] > -50)
+
+
+def _colour(person, centre, radius_mm=4.0):
+    return _paint(person).albedo[_texels(centre, radius_mm)].mean(axis=0)
+
+
+def test_the_albedo_is_a_reflectance_everywhere():
+    for seed in range(6):
+        person = _person(seed, masculinity=seed / 5, age=seed / 5, ancestry=np.eye(3)[seed % 3])
+        maps = _paint(person, seed)
+        assert maps.albedo.shape == (SIZE, SIZE, 3)
+        assert maps.albedo.dtype == np.float32
+        assert maps.albedo.min() >= 0
+        assert maps.albedo.max() <= 1
+        assert np.isfinite(maps.displacement).all()
+        assert np.abs(maps.displacement).max() < 6
+
+
+def test_the_same_seed_gives_the_same_bytes_whatever_was_painted_before():
+    person = _person(3, masculinity=0.9)
+    first = _paint(person, 5)
+    _paint(_person(4), 6)
+    again = _paint(person, 5)
+    np.testing.assert_array_equal(first.albedo, again.albedo)
+    np.testing.assert_array_equal(first.displacement, again.displacement)
+    assert (first.albedo != _paint(person, 6).albedo).any()
+
+
+def test_a_painter_of_ones_own_paints_the_same():
+    person = _person(3)
+    alone = paint_skin(person, 5, *position_map(SIZE))
+    np.testing.assert_array_equal(alone.albedo, _paint(person, 5).albedo)
+    assert alone.displacement.shape == (0,)
+
+
+def test_forehead_has_the_tone_that_was_asked_for():
+    fair = _colour(_plain(), (0.0, 45.0), 15.0)
+    dark = _colour(_plain(complexion={"melanin": 0.25, "blood": 0.022}), (0.0, 45.0), 15.0)
+    assert fair == pytest.approx([0.48, 0.29, 0.22], rel=0.15)
+    assert (dark < 0.6 * fair).all()
+
+
+def test_lips_are_redder_than_the_chin_and_end_at_their_border():
+    person = _plain()
+    lip, chin = _colour(person, (0.0, -78.0), 3.0), _colour(person, (0.0, -98.0), 5.0)
+    assert lip[0] / lip[1] > 1.15 * chin[0] / chin[1]
+    above = _colour(person, (0.0, -60.0), 1.5)
+    assert above[0] / above[1] < 1.1 * chin[0] / chin[1]
+
+
+def test_lipstick_has_its_own_colour():
+    red = {"lipstick": 0.9, "lipstick_colour": (0.4, 0.03, 0.04)}
+    person = _plain(make_up=red)
+    assert _colour(person, (0.0, -79.0), 2.0) == pytest.approx([0.4, 0.04, 0.05], abs=0.06)
+
+
+def test_brows_are_darker_than_the_skin_around_and_lie_above_the_eyes():
+    person = _plain(
+        brows={"thickness_mm": 7.0, "density": 2.0, "height_mm": 0.0},
+        hair_colour={"eumelanin": 6.0, "grey": 0.0},
+    )
+    brow, above = _colour(person, (28.0, 17.0), 2.5), _colour(person, (28.0, 34.0), 3.0)
+    assert (brow < 0.5 * above).all()
+
+
+def test_a_dark_beard_darkens_and_thickens_the_chin():
+    bare = _plain()
+    person = _plain(
+        beard={"kind": "full", "density": 1.2, "length_mm": 4.0, "patchiness": 0.0},
+        hair_colour={"eumelanin": 6.0, "grey": 0.0},
+    )
+    assert (_colour(person, (0.0, -104.0)) < 0.6 * _colour(bare, (0.0, -104.0))).all()
+    chin = np.linalg.norm(template().skin - (0.0, -104.0, 8.0), axis=1) < 12
+    assert _paint(person).displacement[chin].mean() > 1.0
+    assert np.abs(_paint(bare).displacement[chin]).max() < 0.5
+
+
+def test_stubble_and_its_shadow_are_bluer_than_skin():
+    bare, shaven = _plain(), _plain(beard={"kind": "none", "shadow": 0.9})
+    shaven["hair_colour"]["eumelanin"] = 6.0
+    plain, blue = _colour(bare, (45.0, -85.0)), _colour(shaven, (45.0, -85.0))
+    assert blue[2] / blue[0] > 1.08 * plain[2] / plain[0]
+    assert blue.sum() < plain.sum()
+
+
+def test_deep_lines_lower_the_skin_and_darken_it():
+    smooth = {
+        name: 0.0
+        for name in ("forehead", "glabella", "crows_feet", "under_eye", "nasolabial", "marionette")
+    }
+    young, old = _plain(lines=smooth), _plain(lines=smooth | {"nasolabial": 1.0})
+    assert _paint(young).displacement.min() == 0
+    assert -1.3 < _paint(old).displacement.min() < -0.6
+    darker = _paint(old).albedo[_texels((28.0, -57.0), 3.0)].sum()
+    assert darker < 0.93 * _paint(young).albedo[_texels((28.0, -57.0), 3.0)].sum()
+
+
+def test_nothing_of_the_face_shows_on_the_back_of_the_head():
+    lined = _plain(lines={"forehead": 1.0}, brows={"density": 2.0})
+    smooth = _plain(lines={"forehead": 0.0}, brows={"density": 0.4})
+    points, mask = position_map(SIZE)
+    behind = mask & (points[..., 2] < -90)
+    np.testing.assert_array_equal(_paint(lined).albedo[behind], _paint(smooth).albedo[behind])
+
+
+def test_the_texture_continues_beyond_the_mask():
+    albedo, (_, mask) = _paint(_plain()).albedo, position_map(SIZE)
+    assert not mask.all()
+    assert albedo[~mask].min() > 0.02
+
+
+def test_neighbours_across_the_back_of_the_head_agree():
+    points, mask = position_map(SIZE)
+    behind = mask & (np.abs(points[..., 0]) < 3) & (points[..., 2] < -120) & (points[..., 1] > 0)
+    albedo, side = _paint(_plain()).albedo, points[..., 0] > 0
+    left, right = (albedo[behind & half].mean(axis=0) for half in (side, ~side))
+    assert left == pytest.approx(right, rel=0.05)
+
+
+def test_appearances_are_plain_and_follow_the_person():
+    rng = np.random.default_rng(0)
+
+    def draw(**person):
+        drawn = {"masculinity": 0.5, "age": 0.3, "ancestry": EUROPEAN} | person
+        return [sample_appearance(rng, **drawn) for _ in range(60)]
+
+    fair, dark = draw(), draw(ancestry=AFRICAN)
+    assert json.loads(json.dumps(fair[0]))["complexion"] == fair[0]["complexion"]
+    melanin = [[person["complexion"]["melanin"] for person in group] for group in (fair, dark)]
+    assert np.exp(np.log(melanin).mean(axis=1)) == pytest.approx([0.022, 0.2], rel=0.25)
+    assert min(map(min, melanin)) >= 0.009
+    assert max(map(max, melanin)) <= 0.32
+    assert all(person["make_up"]["lipstick"] == 0 for person in draw(masculinity=1.0))
+    assert any(person["make_up"]["lipstick"] > 0 for person in draw(masculinity=0.0))
+
+
+def test_two_people_differ_more_than_two_paintings_of_one():
+    one, other = _person(1), _person(2)
+    face = _texels((0.0, -20.0), 70.0)
+    same = np.abs(_paint(one, 0).albedo - _paint(one, 1).albedo)[face].mean()
+    different = np.abs(_paint(one, 0).albedo - _paint(other, 0).albedo)[face].mean()
+    assert different > 1.5 * same
+
+
+def test_lip_texels_follow_the_outline_of_the_template():
+    points, _ = position_map(SIZE)
+    lips = regions.lip_mask(points, regions.FACE.to_pixels(points)) > 0.5
+    rows = points[lips]
+    assert rows[:, 1].max() < -61
+    assert rows[:, 1].min() > -88
+    assert np.abs(rows[:, 0]).max() < 28
+
+
+def test_a_mask_of_another_size_is_refused():
+    with pytest.raises(ValueError, match="do not belong together"):
+        SkinPainter(np.zeros((4, 4, 3), dtype=np.float32), np.ones((5, 4), dtype=bool))
+
+
+def test_an_empty_mask_is_refused():
+    with pytest.raises(ValueError, match="no texel lies on the skin"):
+        SkinPainter(np.zeros((4, 4, 3), dtype=np.float32), np.zeros((4, 4), dtype=bool))

@@ -1,0 +1,105 @@
+import json
+
+import numpy as np
+import pytest
+
+from lrsr.identities import brows as eyebrows
+from lrsr.identities.brows import CANVAS, brow_line, brow_strands, brow_thickness, draw_brows
+
+PLAIN = {
+    "start_mm": 12.0,
+    "end_mm": 50.0,
+    "height_mm": 0.0,
+    "arch_mm": 4.0,
+    "peak": 0.6,
+    "slope_mm": 0.0,
+    "tail_mm": 2.0,
+    "thickness_mm": 4.2,
+    "taper": 0.7,
+    "density": 1.0,
+    "strand_mm": 6.0,
+    "bridge": 0.0,
+    "unevenness_mm": 0.0,
+}
+
+
+def _coverage(brows, seed=0):
+    return draw_brows(brows, np.random.default_rng(seed)).astype(float)
+
+
+def test_a_plain_brow_has_420_strands():
+    assert brow_strands(PLAIN, np.random.default_rng(0)).shape == (420, 4, 2)
+
+
+@pytest.mark.parametrize("masculinity", [0.0, 0.5, 1.0])
+def test_samples_keep_to_the_recipes_ranges(masculinity):
+    rng = np.random.default_rng(1)
+    drawn = [eyebrows.sample_brows(rng, masculinity=masculinity) for _ in range(300)]
+    limits = {
+        "start_mm": (7, 17),
+        "end_mm": (44, 56),
+        "arch_mm": (0.5, 7.5),
+        "peak": (0.45, 0.75),
+        "thickness_mm": (1.8, 8.5),
+        "bridge": (0, 1),
+    }
+    for name, (low, high) in limits.items():
+        values = [brows[name] for brows in drawn]
+        assert low <= min(values), name
+        assert max(values) <= high, name
+    assert json.loads(json.dumps(drawn[0])) == drawn[0]
+
+
+def test_mens_brows_are_thicker_and_lower_on_average():
+    rng = np.random.default_rng(2)
+    women = [eyebrows.sample_brows(rng, masculinity=0.0) for _ in range(400)]
+    men = [eyebrows.sample_brows(rng, masculinity=1.0) for _ in range(400)]
+
+    def mean(people, name):
+        return np.mean([person[name] for person in people])
+
+    assert mean(men, "thickness_mm") > mean(women, "thickness_mm") + 0.5
+    assert mean(men, "height_mm") < mean(women, "height_mm") - 1
+
+
+def test_the_line_runs_from_nose_to_temple_and_peaks_where_told():
+    along = np.linspace(0, 1, 401)
+    line = brow_line(PLAIN, along)
+    assert line[0, 0] == 12.0
+    assert line[-1, 0] == 50.0
+    assert along[line[:, 1].argmax()] == pytest.approx(0.6, abs=0.01)
+
+
+def test_the_brow_tapers_to_a_tip():
+    thickness = brow_thickness(PLAIN, np.array([0.25, 0.6, 0.9, 1.0]))
+    assert thickness[0] == pytest.approx(4.2)
+    assert (np.diff(thickness) < 0).all()
+    assert thickness[-1] == pytest.approx(0.42)
+
+
+def test_brows_lie_above_the_eyes_on_both_sides():
+    sheet = _coverage(PLAIN)
+    rows, columns = np.nonzero(sheet > 60)
+    x = CANVAS.left_mm + (columns + 0.5) * CANVAS.pixel_mm
+    y = CANVAS.top_mm - (rows + 0.5) * CANVAS.pixel_mm
+    assert y.min() > 8
+    assert y.max() < 28
+    assert 8 < np.abs(x).min() < 14
+    assert np.mean(x < 0) == pytest.approx(0.5, abs=0.03)
+
+
+def test_denser_and_thicker_brows_cover_more():
+    dense, thick = PLAIN | {"density": 2.0}, PLAIN | {"thickness_mm": 8.0}
+    assert _coverage(dense).sum() > 1.2 * _coverage(PLAIN).sum()
+    assert _coverage(thick).sum() > 1.5 * _coverage(PLAIN).sum()
+
+
+def test_a_bridge_joins_the_brows():
+    middle = slice(int(60 / CANVAS.pixel_mm), int(72 / CANVAS.pixel_mm))
+    assert _coverage(PLAIN)[:, middle].sum() == 0
+    assert _coverage(PLAIN | {"bridge": 1.0})[:, middle].max() > 100
+
+
+def test_the_same_seed_draws_the_same_hairs():
+    np.testing.assert_array_equal(_coverage(PLAIN, 5), _coverage(PLAIN, 5))
+    assert (_coverage(PLAIN, 5) != _coverage(PLAIN, 6)).any()

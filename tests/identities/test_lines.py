@@ -1,0 +1,98 @@
+import json
+
+import numpy as np
+import pytest
+
+from lrsr.identities.canvas import Canvas
+from lrsr.identities.lines import carve_groove, draw_lines, sample_lines
+
+FACE = Canvas(left_mm=-84.0, top_mm=100.0, width_mm=168.0, height_mm=230.0, pixel_mm=0.4)
+SMOOTH = {
+    "forehead": 0.0,
+    "glabella": 0.0,
+    "crows_feet": 0.0,
+    "under_eye": 0.0,
+    "nasolabial": 0.0,
+    "marionette": 0.0,
+    "forehead_count": 3,
+    "paths_seed": 1,
+}
+
+
+def _row(y):
+    return int((FACE.top_mm - y) / FACE.pixel_mm)
+
+
+def test_a_groove_has_the_depth_and_the_gaussian_profile_it_was_given():
+    sheet = np.zeros(FACE.shape, dtype=np.float32)
+    carve_groove(FACE, sheet, [(-40.0, 0.1), (40.0, 0.1)], depth_mm=0.8, width_mm=1.6)
+    profile = sheet[:, FACE.shape[1] // 2]
+    assert profile.min() == pytest.approx(-0.8, rel=0.03)
+    at = int(profile.argmin())
+    assert profile[at + 4] == pytest.approx(-0.8 * np.exp(-0.5), rel=0.06)  # 1.6 mm away
+    assert profile[at + 8] == pytest.approx(-0.8 * np.exp(-2.0), rel=0.15)
+
+
+def test_a_groove_runs_out_at_its_ends():
+    sheet = np.zeros(FACE.shape, dtype=np.float32)
+    carve_groove(FACE, sheet, [(-30.0, 0.0), (30.0, 0.0)], depth_mm=1.0, width_mm=1.0)
+    along = sheet.min(axis=0)
+    near_end = int((-29.0 - FACE.left_mm) / FACE.pixel_mm)
+    assert along[near_end] > 0.5 * along.min()
+    assert (along[: near_end - 20] == 0).all()
+
+
+def test_a_groove_beyond_the_sheet_or_of_no_depth_changes_nothing():
+    sheet = np.zeros(FACE.shape, dtype=np.float32)
+    carve_groove(FACE, sheet, [(300.0, 0.0), (330.0, 0.0)], depth_mm=1.0, width_mm=1.0)
+    carve_groove(FACE, sheet, [(-30.0, 0.0), (30.0, 0.0)], depth_mm=0.0, width_mm=1.0)
+    assert not sheet.any()
+
+
+def test_a_groove_may_leave_the_sheet():
+    sheet = np.zeros(FACE.shape, dtype=np.float32)
+    carve_groove(FACE, sheet, [(-200.0, 0.0), (200.0, 0.0)], depth_mm=1.0, width_mm=1.0)
+    assert sheet.min() == pytest.approx(-1.0, rel=0.05)
+
+
+def test_a_smooth_face_has_no_lines():
+    assert not draw_lines(SMOOTH, FACE).any()
+
+
+@pytest.mark.parametrize(
+    ("group", "place", "elsewhere"),
+    [
+        ("forehead", (0.0, 48.0), (0.0, -60.0)),
+        ("glabella", (5.0, 18.0), (0.0, 60.0)),
+        ("crows_feet", (56.0, -1.0), (0.0, 0.0)),
+        ("under_eye", (28.0, -14.0), (28.0, 20.0)),
+        ("nasolabial", (28.0, -57.0), (0.0, -57.0)),
+        ("marionette", (31.0, -88.0), (0.0, -88.0)),
+    ],
+)
+def test_each_group_lies_in_its_place_on_both_sides(group, place, elsewhere):
+    sheet = draw_lines(SMOOTH | {group: 1.0}, FACE)
+
+    def deepest(x, y, reach=14):
+        column = int((x - FACE.left_mm) / FACE.pixel_mm)
+        return sheet[_row(y) - reach : _row(y) + reach, column - reach : column + reach].min()
+
+    assert deepest(*place) < -0.08
+    assert deepest(-place[0], place[1]) < -0.08
+    assert deepest(*elsewhere) == 0
+
+
+def test_lines_deepen_with_age():
+    def depth(age):
+        rng = np.random.default_rng(0)
+        people = [sample_lines(rng, age=age) for _ in range(60)]
+        return np.mean([[person["forehead"], person["crows_feet"]] for person in people])
+
+    assert depth(0.0) == 0
+    assert depth(0.3) < depth(0.6) < depth(1.0)
+
+
+def test_the_fold_beside_the_nose_is_there_from_youth():
+    lines = sample_lines(np.random.default_rng(0), age=0.0)
+    assert 0.1 <= lines["nasolabial"] <= 0.25
+    assert json.loads(json.dumps(lines)) == lines
