@@ -30,7 +30,8 @@ class Measure(NamedTuple):
     Attributes:
         name: What it is.
         axis: 0 across, 1 up, 2 out of the face.
-        high, low: Points on the template, mm before its pupils' middle; the nearest vertex is meant.
+        high: Point on the template, mm from its pupils' middle; the nearest vertex is meant.
+        low: The other point.
         sd_mm: Standard deviation among people of one sex and ancestry.
     """
 

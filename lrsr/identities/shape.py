@@ -1,5 +1,4 @@
-"""Which anatomy does a person have? Coefficients of the shape space, drawn so that faces are
-different from each other and yet plausible.
+"""Which anatomy does a person have? Coefficients of the shape space, drawn to differ and be plausible.
 
 Single targets are drawn from a normal distribution, but their joint extremes are cut: within one
 region (nose, mouth, ...) the vector of draws is shortened to the length that a typical vector has,
@@ -55,8 +54,10 @@ DAMPING = {
     "ear-shape": 0.5,
     "ear-scale-decr": 0.7,
     "neck-double": 0.6,
-    "mouth-angles": 0.6,
-    "mouth-scale-depth": 0.7,
+    "mouth-angles": 0.4,
+    "mouth-scale-depth": 0.6,
+    "mouth-trans-backward": 0.6,
+    "eyebrows-angle": 0.6,
     "mouth-laugh-lines": 0.6,
     "mouth-dimples": 0.6,
     "cheek-inner": 0.7,
@@ -85,19 +86,40 @@ AGE_SLIDERS = {
 }
 """What age adds to a slider, per unit of age beyond 0.3; the sign is the direction."""
 
+SEX_SLIDERS = {
+    "chin/chin-width-decr-incr": 0.15,
+    "chin/chin-bones-decr-incr": 0.2,
+    "chin/chin-height-decr-incr": 0.08,
+    "cheek/cheek-bones-decr-incr": -0.12,
+    "eyes/eye-scale-decr-incr": -0.15,
+    "eyebrows/eyebrows-trans-backward-forward": 0.15,
+    "mouth/mouth-upperlip-height-decr-incr": -0.12,
+    "mouth/mouth-lowerlip-height-decr-incr": -0.1,
+    "neck/neck-scale-horiz-decr-incr": 0.2,
+    "neck/neck-scale-depth-decr-incr": 0.2,
+    "nose/nose-scale-vert-decr-incr": 0.08,
+    "nose/nose-width2-decr-incr": 0.1,
+}
+"""What being a man (+1) or a woman (-1) adds to a slider, beyond MakeHuman's own difference."""
+COMMON_SLIDERS = {
+    "eyes/eye-scale-decr-incr": 0.2,
+    "mouth/mouth-angles-down-up": 0.12,
+}
+"""What everybody has: MakeHuman's eyes are a little small, its mouths a little sad."""
+
 RESTING_UNITS = {
-    "browInnerUp": 0.2,
-    "browDown": 0.2,
+    "browInnerUp": 0.08,
+    "browDown": 0.14,
     "browOuterUp": 0.2,
     "cheekSquint": 0.2,
     "eyeSquint": 0.25,
     "eyeBlink": 0.12,
     "mouthDimple": 0.2,
-    "mouthFrown": 0.12,
+    "mouthFrown": 0.05,
     "mouthPress": 0.25,
     "mouthPucker": 0.15,
-    "mouthShrugLower": 0.15,
-    "mouthSmile": 0.25,
+    "mouthShrugLower": 0.08,
+    "mouthSmile": 0.3,
     "noseSneer": 0.12,
     "jawForward": 0.15,
 }
@@ -108,8 +130,8 @@ EXPRESSION_SHARE = 0.45
 class Anatomy(TypedDict):
     """Everything that sets a head's geometry, as plain numbers.
 
-    ``sliders`` run from the "-" end (-1.1) to the "+" end (+1.1) of a MakeHuman pair; ``head_shapes``,
-    ``asymmetry`` and ``expression`` are weights of single targets.
+    ``sliders`` run from the "-" end (-1.3) to the "+" end (+1.3) of a MakeHuman pair;
+    ``head_shapes``, ``asymmetry`` and ``expression`` are weights of single targets.
     """
 
     muscle: float
@@ -136,7 +158,7 @@ def _damping(slider: str) -> float:
 
 
 def _draw_sliders(
-    names: Sequence[str], gauge: Gauge, age: float, rng: Generator
+    names: Sequence[str], gauge: Gauge, masculinity: float, age: float, rng: Generator
 ) -> dict[str, float]:
     drawn: dict[str, float] = {}
     widths: list[float] = []
@@ -153,6 +175,10 @@ def _draw_sliders(
     beyond = max(0.0, age - 0.3)
     for slider, gain in AGE_SLIDERS.items():
         values[slider] += gain * beyond * abs(rng.normal(0.7, 0.5))
+    for slider, gain in SEX_SLIDERS.items():
+        values[slider] += gain * (2.0 * masculinity - 1.0)
+    for slider, offset in COMMON_SLIDERS.items():
+        values[slider] += offset
     return {slider: float(np.clip(value, -1.3, 1.3)) for slider, value in values.items()}
 
 
@@ -193,7 +219,7 @@ def sample_anatomy(
         "head_shapes": dict(
             zip(shapes, (amount * rng.dirichlet([0.3] * len(shapes))).tolist(), strict=True)
         ),
-        "sliders": _draw_sliders(names, gauge, age, rng),
+        "sliders": _draw_sliders(names, gauge, masculinity, age, rng),
         "asymmetry": {
             side: float(value) for side, value in zip(sides, asymmetry, strict=True) if value > 0
         },
