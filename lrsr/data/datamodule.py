@@ -126,7 +126,9 @@ class ProbeDataModule(LightningDataModule):
         self._check()
 
     def _check(self) -> None:
-        wanted = {
+        wanted: dict[str, tuple[bool, object, str]] = {
+            "ipd_px": (len(self.distances) > 0, [], "at least one"),
+            "poses and lightings": (len(self.conditions) > 0, [], "at least one of each"),
             "scale": (self.scale in (2, 4), self.scale, "2 or 4"),
             "count": (self.count >= 1, self.count, "a number >= 1"),
             "views": (
@@ -144,6 +146,12 @@ class ProbeDataModule(LightningDataModule):
         for name, (holds, value, wish) in wanted.items():
             if not holds:
                 raise InputError(f"data {name}={value}: wanted {wish}")
+        smallest = 4 * round(min(self.distances)) * min(hr for _, hr in self.pairs)
+        if smallest < self.patch_px:
+            raise InputError(
+                f"data ipd_px={min(self.distances):g}: its targets are {smallest} px wide, smaller"
+                f" than a patch of {self.patch_px}; give a larger ipd_px"
+            )
 
     def recipes(self, split: Split, film: int) -> list[ProbeRecipe]:
         """Return what everybody of a split is rendered as, on a film of that scale."""
@@ -202,18 +210,9 @@ class ProbeDataModule(LightningDataModule):
 
         Args:
             stage: Lightning's; all stages need both.
-
-        Raises:
-            InputError: The images are smaller than a patch.
         """
         if self._patches is not None:
             return
-        smallest = 4 * round(min(self.distances)) * min(hr for _, hr in self.pairs)
-        if smallest < self.patch_px:
-            raise InputError(
-                f"data ipd_px={min(self.distances):g}: its targets are {smallest} px wide, smaller"
-                f" than a patch of {self.patch_px}; give a larger ipd_px"
-            )
         cut = [
             cut_patches(
                 *pair, patch_px=self.patch_px, label_px=self.label_px, stride_px=self.stride_px

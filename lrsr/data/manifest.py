@@ -114,6 +114,8 @@ def _row(path: Path, line: int, values: dict[str, str | None], pictures: bool) -
         raise InputError(
             f"{path}, line {line}: landmarks_px holds {len(row.landmarks_px)} numbers, wanted 10"
         )
+    if not row.file:
+        raise InputError(f"{path}, line {line}: no file is named; make it again")
     for name in filter(None, (row.file, row.linear_file)):
         inside = (path.parent / name).resolve()
         if not inside.is_relative_to(path.parent.resolve()):

@@ -91,7 +91,7 @@ def cut_patches(
 
 def _squares(images: torch.Tensor, side: int, stride: int) -> torch.Tensor:
     rows = images.unfold(2, side, stride).unfold(3, side, stride)
-    return rows.reshape(-1, 1, side, side).contiguous()
+    return rows.reshape(-1, 1, side, side).clone(memory_format=torch.contiguous_format)
 
 
 class PatchDataset(Dataset[tuple[torch.Tensor, torch.Tensor]]):

@@ -53,7 +53,7 @@ class RenderSettings:
         cache: Folder of the render cache; None: the user's.
 
     Raises:
-        InputError: A number is out of range.
+        InputError: A number is out of range, or there is no such compression.
     """
 
     out: Path
@@ -80,6 +80,7 @@ class RenderSettings:
             raise InputError(f"identities.count={self.count}: wanted a number >= 1")
         if not self.scales:
             raise InputError("scales=[]: wanted at least one of 1, 2, 4")
+        Camera(self.compression)  # refuses an unknown one before anything is rendered
 
     def as_gallery(self) -> "RenderSettings":
         """Return the same with the conditions of an enrolled picture."""

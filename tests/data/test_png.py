@@ -1,0 +1,72 @@
+"""A picture goes into a file and comes back; what is no picture is refused in one line."""
+
+import errno
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from lrsr.data.png import read_png, write_png
+from lrsr.errors import InputError
+
+
+def picture(levels: int) -> torch.Tensor:
+    whole = torch.randint(0, levels + 1, (3, 5, 7), generator=torch.Generator().manual_seed(0))
+    return whole / levels
+
+
+@pytest.mark.parametrize(("bits", "levels"), [(8, 255), (16, 65535)])
+def test_a_picture_comes_back_bit_for_bit(tmp_path: Path, bits: int, levels: int) -> None:
+    write_png(tmp_path / "a.png", picture(levels), bits=bits)
+    back = read_png(tmp_path / "a.png")
+    assert back.dtype == torch.float32
+    assert torch.equal((back * levels).round(), (picture(levels) * levels).round())
+
+
+def test_red_is_red_to_others(tmp_path: Path) -> None:
+    red = torch.zeros(3, 2, 2)
+    red[0] = 1.0
+    write_png(tmp_path / "a.png", red)
+    assert np.asarray(Image.open(tmp_path / "a.png"))[0, 0].tolist() == [255, 0, 0]
+
+
+def test_rows_are_rows(tmp_path: Path) -> None:
+    Image.fromarray(np.arange(6, dtype=np.uint8).reshape(2, 3)).save(tmp_path / "a.png")
+    assert (read_png(tmp_path / "a.png")[0] * 255).tolist() == [[0, 1, 2], [3, 4, 5]]
+
+
+def test_what_lies_outside_is_clipped(tmp_path: Path) -> None:
+    write_png(tmp_path / "a.png", torch.tensor([-1.0, 0.5, 2.0])[:, None, None])
+    assert (read_png(tmp_path / "a.png") * 255).flatten().tolist() == [0, 128, 255]
+
+
+@pytest.mark.parametrize("content", [b"", b"no picture", None], ids=["empty", "text", "half"])
+def test_a_broken_picture_is_named(tmp_path: Path, content: bytes | None) -> None:
+    path = tmp_path / "a.png"
+    write_png(path, picture(255))
+    path.write_bytes(path.read_bytes()[:40] if content is None else content)
+    with pytest.raises(InputError, match=r"a\.png is no picture, or a broken one: make it again"):
+        read_png(path)
+
+
+def test_a_missing_picture_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"cannot read .*a\.png: No such file or directory"):
+        read_png(tmp_path / "a.png")
+
+
+def test_only_8_and_16_bits(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="bits=12: wanted 8 or 16"):
+        write_png(tmp_path / "a.png", picture(255), bits=12)
+
+
+def test_a_full_disk_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError, match=r"cannot write .*a\.png: No space left on device"):
+        write_png(tmp_path / "a.png", picture(255))
+    assert list(tmp_path.iterdir()) == []
