@@ -49,15 +49,15 @@ def fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
         ImageContractError: The landmarks have another shape.
 
     Example:
-        >>> fit_similarities(TEMPLATE_PX[None] * 2)[0].round(6).tolist()
-        [[0.5, 0.0, 0.0], [-0.0, 0.5, 0.0]]
+        >>> (fit_similarities(TEMPLATE_PX[None] * 2)[0].round(6) + 0.0).tolist()
+        [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]
     """
     points = np.asarray(landmarks_px, dtype=np.float64)
     if points.ndim != 3 or points.shape[1:] != (5, 2):
         raise ImageContractError(f"landmarks_px: got shape {points.shape}, wanted (B, 5, 2)")
     matrices = np.full((len(points), 2, 3), np.nan)
-    spread_px = np.ptp(points, axis=1).max(axis=1)
-    usable = np.isfinite(spread_px) & (spread_px > 1e-6)
+    usable = np.isfinite(points).all(axis=(1, 2))
+    usable[usable] = np.ptp(points[usable], axis=1).max(axis=1) > 1e-6
     source = points[usable]
     source_mean = source.mean(axis=1)
     target_mean = TEMPLATE_PX.mean(axis=0)
@@ -111,7 +111,7 @@ def warp(
 
 
 def _unit_square(height: int, width: int) -> NDArray[np.float64]:
-    """Return the ``(3, 3)`` map from pixels to PyTorch's [-1, 1], from edge to edge of the image."""
+    """Return the ``(3, 3)`` map from pixels to PyTorch's [-1, 1], edge to edge of the image."""
     return np.array([[2 / width, 0, 1 / width - 1], [0, 2 / height, 1 / height - 1], [0, 0, 1]])
 
 

@@ -76,7 +76,8 @@ class ArcFaceModule(lightning.LightningModule):
         logits = self.head(self(self.degradation(crops, sharp, rng)), people)
         loss = F.cross_entropy(logits, people)
         if not bool(torch.isfinite(loss)):
-            raise NonFiniteError(f"training loss is {float(loss)} at step {self.global_step}")
+            value = float(loss.detach())
+            raise NonFiniteError(f"training loss is {value} at step {self.global_step}")
         accuracy = (logits.detach().argmax(1) == people).float().mean()
         self.log("train/loss", loss, on_step=False, on_epoch=True, prog_bar=True)
         self.log("train/accuracy", accuracy, on_step=False, on_epoch=True, prog_bar=True)

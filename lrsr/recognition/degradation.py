@@ -106,15 +106,19 @@ class Degradation:
     def _expose(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
         """Change brightness, colour and contrast, add noise, round to 8 bits."""
         count = len(faces)
-        gain = np.exp(rng.normal(0, self.gain, (count, 1)) + rng.normal(0, self.tint, (count, 3)))
-        contrast = np.exp(rng.normal(0, self.contrast, (count, 1, 1, 1)))
-        sigma = rng.uniform(0, self.noise, (count, 1, 1, 1))
-        noise = rng.standard_normal(tuple(faces.shape), dtype=np.float32) * sigma
-        bright = faces * torch.from_numpy(gain[:, :, None, None]).to(faces)
+
+        def a_face(values: NDArray[np.float64]) -> torch.Tensor:
+            return torch.from_numpy(values.reshape(count, -1, 1, 1)).to(faces)
+
+        gain = rng.normal(0, self.gain, (count, 1)) + rng.normal(0, self.tint, (count, 3))
+        contrast = rng.normal(0, self.contrast, count)
+        sigma = rng.uniform(0, self.noise, count)
+        noise = torch.from_numpy(rng.standard_normal(tuple(faces.shape), dtype=np.float32))
+        bright = faces * a_face(np.exp(gain))
         mean = bright.mean(dim=(1, 2, 3), keepdim=True)
-        exposed = (bright - mean) * torch.from_numpy(contrast).to(faces) + mean
-        exposed = exposed + torch.from_numpy(noise).to(faces)
-        return exposed.clamp(0, 1).mul(255).round() / 255
+        exposed = (bright - mean).mul_(a_face(np.exp(contrast))).add_(mean)
+        exposed = exposed.addcmul_(noise.to(faces), a_face(sigma))
+        return exposed.clamp_(0, 1).mul_(255).round_().div_(255)
 
     def _jitter(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Draw small similarities about the crop's centre, ``(count, 2, 3)``."""

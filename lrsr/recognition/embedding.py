@@ -30,6 +30,7 @@ class Embedder:
         self.contract: Contract = read_contract(model)
         self._session = _open_session(model)
         self._input, fixed = _check_graph(self._session, self.contract, model)
+        self._fixed = fixed is not None
         self.batch_size = fixed or batch_size
 
     def __call__(self, crops: torch.Tensor) -> NDArray[np.float32]:
@@ -47,11 +48,13 @@ class Embedder:
         if len(crops) == 0:
             return np.empty((0, self.contract.dimension), dtype=np.float32)
         inputs = self._normalise(check_images(crops, name="crops"))
+        if self._fixed and (spare := -len(inputs) % self.batch_size):
+            inputs = np.concatenate([inputs, np.repeat(inputs[-1:], spare, axis=0)])
         rows = [
             self._run(inputs[start : start + self.batch_size])
             for start in range(0, len(inputs), self.batch_size)
         ]
-        return unit_rows(np.concatenate(rows))
+        return unit_rows(np.concatenate(rows)[: len(crops)])
 
     def _normalise(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Turn srgb [0, 1] into what the contract declares."""

@@ -43,9 +43,9 @@ class AngularMargin(nn.Module):
             >>> head = AngularMargin(2, 2, scale=10.0, margin=0.5)
             >>> with torch.no_grad():
             ...     _ = head.directions.copy_(torch.eye(2))
-            ...     logits = head(torch.tensor([[3.0, 0.0]]), torch.tensor([0]))
-            >>> [round(value, 3) for value in logits[0].tolist()]  # 10 cos 0.5, 10 cos 90°
-            [8.776, 0.0]
+            ...     logits = head(torch.tensor([[3.0, 4.0]]), torch.tensor([0]))
+            >>> [round(value, 3) for value in logits[0].tolist()]  # 10 cos(arccos 0.6 + 0.5), 8
+            [1.43, 8.0]
         """
         cosine = self.cosines(embeddings)
         right = cosine.gather(1, people[:, None])

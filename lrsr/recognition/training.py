@@ -215,21 +215,19 @@ def _fit(
         seed=training.seed,
         antialias=faces.antialias,
     )
-    keeper = ModelCheckpoint(
-        dirpath=folder,
-        filename="best",
-        monitor="val/auc",
-        mode="max",
-        save_last=True,
-        save_on_train_epoch_end=True,
-        enable_version_counter=False,
-    )
+    keep: dict[str, Any] = {
+        "dirpath": folder,
+        "save_on_train_epoch_end": True,
+        "enable_version_counter": False,
+    }
+    best = ModelCheckpoint(filename="best", monitor="val/auc", mode="max", **keep)
+    latest = ModelCheckpoint(filename="last", **keep)
     trainer = lightning.Trainer(
         max_epochs=training.epochs,
         accelerator="auto",
         devices=1,
         precision=_precision(training.precision),
-        callbacks=[keeper, _Record(folder)],
+        callbacks=[_Record(folder), best, latest],
         logger=False,
         enable_progress_bar=progress,
         enable_model_summary=False,

@@ -1,0 +1,140 @@
+import cv2
+import numpy as np
+import pytest
+import torch
+from skimage.transform import SimilarityTransform
+
+from lrsr.errors import ImageContractError
+from lrsr.images import scale_points
+from lrsr.recognition.alignment import TEMPLATE_PX, align, fit_similarities, warp
+
+
+def some_landmarks(count: int, seed: int = 0) -> np.ndarray:
+    """Turned, moved, scaled and disturbed copies of the template."""
+    rng = np.random.default_rng(seed)
+    angle = rng.uniform(-0.6, 0.6, count)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    size = rng.uniform(0.1, 9, count)[:, None, None]
+    points = size * np.einsum("ijb,kj->bki", turn, TEMPLATE_PX)
+    return points + rng.uniform(-50, 300, (count, 1, 2)) + size * rng.normal(0, 3, (count, 5, 2))
+
+
+def ramp(side: int) -> torch.Tensor:
+    """Red grows by 1/1000 a pixel to the right, green downwards; blue is flat."""
+    y, x = torch.meshgrid(torch.arange(side), torch.arange(side), indexing="ij")
+    return torch.stack([x / 1000, y / 1000, torch.full((side, side), 0.5)])[None].float()
+
+
+def test_the_fit_is_that_of_scikit_image() -> None:
+    landmarks = some_landmarks(20)
+    for points, matrix in zip(landmarks, fit_similarities(landmarks), strict=True):
+        oracle = SimilarityTransform.from_estimate(points, TEMPLATE_PX).params[:2]
+        np.testing.assert_allclose(matrix, oracle, atol=1e-9)
+
+
+def test_ten_pixels_between_the_eyes_are_enlarged_three_and_a_half_times() -> None:
+    ipd = np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0])
+    matrix = fit_similarities(TEMPLATE_PX[None] * 10 / ipd)[0]
+    assert np.sqrt(np.linalg.det(matrix[:, :2])) == pytest.approx(3.524, abs=1e-3)
+
+
+def test_a_mirrored_face_is_turned_but_never_mirrored() -> None:
+    mirrored = TEMPLATE_PX * [-1, 1]
+    matrix = fit_similarities(mirrored[None])[0]
+    oracle = SimilarityTransform.from_estimate(mirrored, TEMPLATE_PX).params[:2]
+    np.testing.assert_allclose(matrix, oracle, atol=1e-9)
+    assert np.linalg.det(matrix[:, :2]) > 0
+
+
+@pytest.mark.parametrize(
+    "landmarks",
+    [np.full((1, 5, 2), np.nan), np.full((1, 5, 2), 7.0), np.full((1, 5, 2), np.inf)],
+    ids=["nan", "coincident", "infinite"],
+)
+def test_no_face_gives_nan_and_a_black_crop(landmarks: np.ndarray) -> None:
+    assert np.isnan(fit_similarities(landmarks)).all()
+    crops, found = align(ramp(20), landmarks, antialias=True)
+    assert not found.any()
+    assert not crops.any()
+
+
+def test_a_failure_leaves_the_other_faces_alone() -> None:
+    landmarks = np.concatenate([TEMPLATE_PX[None], np.full((1, 5, 2), np.nan)])
+    crops, found = align(ramp(112).repeat(2, 1, 1, 1), landmarks, antialias=False)
+    assert found.tolist() == [True, False]
+    torch.testing.assert_close(crops[0], ramp(112)[0], atol=1e-6, rtol=0)
+
+
+def test_the_warp_reads_between_pixels_where_the_matrix_says() -> None:
+    # x = 2 u + 3, y = 2 v + 5: the crop's (u, v) is the image's ((u - 3) / 2, (v - 5) / 2)
+    matrix = np.array([[[2.0, 0.0, 3.0], [0.0, 2.0, 5.0]]])
+    crop = warp(ramp(40), matrix, size_px=30, antialias=False)[0]
+    assert float(crop[0, 11, 12]) == pytest.approx((12 - 3) / 2 / 1000, abs=1e-7)
+    assert float(crop[1, 12, 12]) == pytest.approx((12 - 5) / 2 / 1000, abs=1e-7)
+
+
+def test_the_warp_is_opencvs_within_opencvs_rounding() -> None:
+    image = torch.rand(1, 3, 60, 50, generator=torch.Generator().manual_seed(0))
+    image = torch.nn.functional.avg_pool2d(image, 9, 1, 4)
+    matrix = fit_similarities(some_landmarks(1, seed=4) / 9)
+    ours = warp(image, matrix, size_px=112, antialias=False)[0].permute(1, 2, 0).numpy()
+    theirs = cv2.warpAffine(
+        image[0].permute(1, 2, 0).numpy(), matrix[0], (112, 112), flags=cv2.INTER_LINEAR
+    )
+    assert ours.any()
+    assert np.abs(ours - theirs).max() < 0.02  # OpenCV rounds places to 1/32 px
+
+
+def test_outside_the_image_is_black() -> None:
+    shift = np.array([[[1.0, 0.0, 10.0], [0.0, 1.0, 0.0]]])
+    crop = warp(torch.ones(1, 1, 8, 8), shift, size_px=8, antialias=False)
+    assert not crop.any()
+
+
+def test_antialiasing_averages_what_one_sample_would_miss() -> None:
+    y, x = np.mgrid[:224, :224]
+    board = torch.from_numpy(((x + y) % 2).astype(np.float32))[None, None]
+    half = np.array([[[0.5, 0.0, -0.5], [0.0, 0.5, -0.5]]])  # sample on pixel centres: one colour
+    aliased = warp(board, half, size_px=100, antialias=False)[0, 0, 5:90, 5:90]
+    torch.testing.assert_close(aliased, torch.zeros_like(aliased), atol=1e-4, rtol=0)
+    smooth = warp(board, half, size_px=100, antialias=True)[0, 0, 5:90, 5:90]
+    torch.testing.assert_close(smooth, torch.full_like(smooth, 0.5), atol=1e-4, rtol=0)
+
+
+def test_antialiasing_leaves_an_enlarged_face_alone() -> None:
+    landmarks = TEMPLATE_PX[None] * 0.5
+    sharp, _ = align(ramp(56), landmarks, antialias=False)
+    smooth, _ = align(ramp(56), landmarks, antialias=True)
+    assert torch.equal(sharp, smooth)
+
+
+def test_a_face_does_not_depend_on_its_batch() -> None:
+    images = torch.rand(3, 3, 90, 90, generator=torch.Generator().manual_seed(1))
+    landmarks = np.stack([TEMPLATE_PX * size for size in (0.4, 0.8, 2.5)])
+    together, _ = align(images, landmarks, antialias=True)
+    alone, _ = align(images[2:], landmarks[2:], antialias=True)
+    assert torch.equal(together[2], alone[0])
+
+
+def test_a_finer_film_of_the_same_scene_aligns_to_the_same_crop() -> None:
+    """Pixel centres at half-integers, everywhere: otherwise the two would be shifted."""
+    coarse = ramp(40)
+    y, x = torch.meshgrid(torch.arange(160), torch.arange(160), indexing="ij")
+    fine = torch.stack(
+        [((x + 0.5) / 4 - 0.5) / 1000, ((y + 0.5) / 4 - 0.5) / 1000, torch.full((160, 160), 0.5)]
+    )[None].float()
+    points = torch.from_numpy(TEMPLATE_PX * 0.2 + 9)
+    low, _ = align(coarse, points[None].numpy(), antialias=False)
+    high, _ = align(fine, scale_points(points, 4)[None].numpy(), antialias=False)
+    torch.testing.assert_close(low, high, atol=1e-5, rtol=0)
+
+
+@pytest.mark.parametrize("shape", [(5, 2), (1, 4, 2), (1, 5, 3)])
+def test_landmarks_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(ImageContractError, match=r"wanted \(B, 5, 2\)"):
+        fit_similarities(np.zeros(shape))
+
+
+def test_images_and_landmarks_must_be_as_many() -> None:
+    with pytest.raises(ImageContractError, match="1 images but landmarks for 2"):
+        align(ramp(9), np.zeros((2, 5, 2)), antialias=False)

@@ -1,0 +1,114 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import onnx
+import pytest
+import torch
+
+from lrsr.errors import ImageContractError, InputError
+from lrsr.recognition.contract import contract_path, sha256_of
+from lrsr.recognition.embedding import Embedder, unit_rows
+
+WriteModel = Callable[..., Path]
+
+
+def colours(*rgb: tuple[float, float, float]) -> torch.Tensor:
+    return torch.tensor(rgb)[:, :, None, None].expand(-1, 3, 112, 112).contiguous()
+
+
+def declare_new_bytes(model: Path, old: str) -> None:
+    path = contract_path(model)
+    path.write_text(path.read_text().replace(old, sha256_of(model)))
+
+
+@pytest.mark.parametrize(
+    ("declared", "expected"),
+    [
+        ({}, [1.0, 0.0, -1.0]),  # (255 srgb - 127.5) / 127.5
+        ({"layout": "NHWC"}, [1.0, 0.0, -1.0]),
+        ({"channels": "BGR"}, [-1.0, 0.0, 1.0]),
+        ({"mean": 0.0, "scale": 255.0}, [1.0, 0.5, 0.0]),
+    ],
+    ids=["arcface", "nhwc", "bgr", "zero-to-one"],
+)
+def test_the_model_sees_what_its_contract_says(
+    write_model: WriteModel, declared: dict[str, object], expected: list[float]
+) -> None:
+    embedding = Embedder(write_model(**declared))(colours((1.0, 0.5, 0.0)))
+    wanted = np.array([expected + [2 * value for value in expected]])
+    np.testing.assert_allclose(embedding, wanted / np.linalg.norm(wanted), atol=1e-6)
+
+
+@pytest.mark.parametrize("batch", ["batch", 1, 2], ids=["free", "one", "two"])
+def test_batches_change_nothing(write_model: WriteModel, batch: int | str) -> None:
+    crops = torch.rand(4, 3, 112, 112, generator=torch.Generator().manual_seed(0))
+    embedder = Embedder(write_model(batch=batch), batch_size=3)
+    reference = Embedder(write_model())(crops)
+    np.testing.assert_allclose(embedder(crops), reference, atol=1e-6)
+
+
+def test_a_fixed_batch_is_filled_up(write_model: WriteModel) -> None:
+    crops = torch.rand(3, 3, 112, 112, generator=torch.Generator().manual_seed(0))
+    assert Embedder(write_model(batch=2))(crops).shape == (3, 6)
+
+
+def test_embeddings_have_length_one(tiny_model: Path) -> None:
+    crops = torch.rand(3, 3, 112, 112, generator=torch.Generator().manual_seed(0))
+    np.testing.assert_allclose(np.linalg.norm(Embedder(tiny_model)(crops), axis=1), 1, atol=1e-6)
+
+
+def test_no_faces_give_no_embeddings(tiny_model: Path) -> None:
+    assert Embedder(tiny_model)(torch.empty(0, 3, 112, 112)).shape == (0, 6)
+
+
+def test_a_row_of_zeros_stays_zero() -> None:
+    assert unit_rows(np.zeros((1, 3), dtype=np.float32)).tolist() == [[0, 0, 0]]
+
+
+def test_broken_crops_are_refused(tiny_model: Path) -> None:
+    with pytest.raises(ImageContractError, match=r"crops: got shape"):
+        Embedder(tiny_model)(torch.zeros(1, 1, 112, 112))
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        ({"layout": "NCHW", "dimension": 512}, r"its contract says dimension 512"),
+        ({"side": 96}, r"takes tensor\(float\) .*96.*its contract says float NCHW \(3, 112, 112\)"),
+    ],
+    ids=["dimension", "size"],
+)
+def test_a_graph_that_disagrees_with_its_contract_is_refused(
+    write_model: WriteModel, made: dict[str, object], message: str
+) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        Embedder(write_model(**made))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_graph_of_another_layout_is_refused(tiny_model: Path) -> None:
+    path = contract_path(tiny_model)
+    path.write_text(path.read_text().replace('"NCHW"', '"NHWC"'))
+    with pytest.raises(InputError, match=r"its contract says float NHWC \(112, 112, 3\)"):
+        Embedder(tiny_model)
+
+
+def test_a_detector_is_no_embedder(tiny_model: Path) -> None:
+    old = sha256_of(tiny_model)
+    model = onnx.load(tiny_model)
+    model.graph.output.append(model.graph.output[0])
+    model.graph.output[1].name = "twice"
+    onnx.save(model, tiny_model)
+    declare_new_bytes(tiny_model, old)
+    with pytest.raises(InputError, match="1 inputs and 2 outputs; an embedder has one of each"):
+        Embedder(tiny_model)
+
+
+def test_a_file_that_is_no_onnx_is_refused(tiny_model: Path) -> None:
+    old = sha256_of(tiny_model)
+    tiny_model.write_bytes(b"not a model")
+    declare_new_bytes(tiny_model, old)
+    with pytest.raises(InputError, match=r"tiny\.onnx: not a usable ONNX model") as caught:
+        Embedder(tiny_model)
+    assert "\n" not in str(caught.value)
