@@ -32,6 +32,7 @@ _MELANIN_MEANS = (0.22, 0.045, 0.022)
 _MELANIN_LIMITS = (0.009, 0.32)
 _BLOOD_MEAN = 0.022
 _BLOOD_LIMITS = (0.013, 0.05)
+_WARM = np.array([1.0, 0.9, 0.8], dtype=np.float32)  # skin shines through white brows
 
 
 class Complexion(TypedDict):
@@ -152,13 +153,13 @@ def _sample_complexion(rng: Generator, age: float, ancestry: NDArray[np.float64]
         "lids": float(rng.uniform(0.1, 0.5)),
         "chin": float(rng.uniform(0.0, 0.35)),
         "forehead": float(rng.uniform(-0.25, 0.1)),
-        "dark_circles": float(np.clip(rng.normal(0.18 + 0.25 * age, 0.2), 0.0, 0.8)),
+        "dark_circles": float(np.clip(rng.normal(0.15 + 0.2 * age, 0.17), 0.0, 0.55)),
         "tan": float(rng.uniform(-0.1, 0.25)),
     }
 
 
 def _sample_make_up(rng: Generator, masculinity: float) -> MakeUp:
-    wears = (1 - masculinity) ** 2
+    wears = (1 - masculinity) ** 2 if masculinity < 0.5 else 0.0
     hue = rng.uniform(0.0, 1.0)
     berry, red, rose = np.array([[0.20, 0.03, 0.06], [0.36, 0.035, 0.045], [0.48, 0.16, 0.16]])
     shade = red + (rose - red) * hue if rng.random() < 0.7 else berry + (red - berry) * hue
@@ -285,7 +286,7 @@ class SkinPainter:
         sheet = self._soften(eyebrows.draw_brows(appearance["brows"], rng), canvas.pixel_mm)
         opacity = canvas.sample(sheet, self._texels.brow_pixels).astype(np.float32)
         opacity *= self._texels.front / np.float32(255)
-        colour = hair_rgb(appearance["hair_colour"], darker=2.4, grey=0.35)
+        colour = hair_rgb(appearance["hair_colour"], darker=2.4, grey=0.3) * _WARM
         _cover(albedo, colour * min(1.0, 0.14 / float(colour.max())), opacity)
 
     def _paint_beard(

@@ -64,7 +64,7 @@ def sample_brows(rng: Generator, *, masculinity: float) -> Brows:
         "taper": float(rng.uniform(0.35, 1.1)),
         "density": float(np.clip(np.exp(rng.normal(0.05, 0.4)), 0.35, 2.2)),
         "strand_mm": float(rng.uniform(4.5, 8.5)),
-        "bridge": float(rng.uniform(0.2, 1.0)) if rng.random() < 0.04 + 0.08 * m else 0.0,
+        "bridge": float(rng.uniform(0.2, 1.0)) if rng.random() < 0.02 + 0.06 * m else 0.0,
         "unevenness_mm": float(rng.normal(0.0, 0.8)),
     }
 

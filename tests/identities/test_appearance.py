@@ -1,11 +1,13 @@
 import json
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike, NDArray
 
 from lrsr.identities import regions
-from lrsr.identities.appearance import SkinPainter, paint_skin, sample_appearance
+from lrsr.identities.appearance import SkinMaps, SkinPainter, paint_skin, sample_appearance
 from lrsr.identities.morphable import position_map, template
 
 SIZE = 256
@@ -13,11 +15,18 @@ EUROPEAN, AFRICAN = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 
 
 @lru_cache
-def _painter():
+def _painter() -> SkinPainter:
     return SkinPainter(*position_map(SIZE), vertices=template().skin)
 
 
-def _person(seed=0, *, masculinity=0.2, age=0.2, ancestry=EUROPEAN, **changes):
+def _person(
+    seed: int = 0,
+    *,
+    masculinity: float = 0.2,
+    age: float = 0.2,
+    ancestry: ArrayLike = EUROPEAN,
+    **changes: dict[str, Any],
+) -> Any:
     person = sample_appearance(
         np.random.default_rng(seed), masculinity=masculinity, age=age, ancestry=ancestry
     )
@@ -26,7 +35,7 @@ def _person(seed=0, *, masculinity=0.2, age=0.2, ancestry=EUROPEAN, **changes):
     return person
 
 
-def _plain(**changes):
+def _plain(**changes: dict[str, Any]) -> Any:
     """A person without make-up, marks, beard or much mottling."""
     plain = {
         "make_up": {"lipstick": 0.0, "eyeliner": 0.0, "eyeshadow": 0.0},
@@ -39,21 +48,23 @@ def _plain(**changes):
     return _person(**plain)
 
 
-def _paint(person, seed=0):
+def _paint(person: Any, seed: int = 0) -> SkinMaps:
     return _painter().paint(person, seed)
 
 
-def _texels(centre, radius_mm=4.0):
+def _texels(centre: tuple[float, float], radius_mm: float = 4.0) -> NDArray[np.bool_]:
     points, mask = position_map(SIZE)
     near = np.linalg.norm(points[..., :2] - np.array(centre), axis=-1) < radius_mm
     return near & mask & (points[..., 2] > -50)
 
 
-def _colour(person, centre, radius_mm=4.0):
+def _colour(
+    person: Any, centre: tuple[float, float], radius_mm: float = 4.0
+) -> NDArray[np.float32]:
     return _paint(person).albedo[_texels(centre, radius_mm)].mean(axis=0)
 
 
-def test_the_albedo_is_a_reflectance_everywhere():
+def test_the_albedo_is_a_reflectance_everywhere() -> None:
     for seed in range(6):
         person = _person(seed, masculinity=seed / 5, age=seed / 5, ancestry=np.eye(3)[seed % 3])
         maps = _paint(person, seed)
@@ -65,7 +76,7 @@ def test_the_albedo_is_a_reflectance_everywhere():
         assert np.abs(maps.displacement).max() < 6
 
 
-def test_the_same_seed_gives_the_same_bytes_whatever_was_painted_before():
+def test_the_same_seed_gives_the_same_bytes_whatever_was_painted_before() -> None:
     person = _person(3, masculinity=0.9)
     first = _paint(person, 5)
     _paint(_person(4), 6)
@@ -75,21 +86,21 @@ def test_the_same_seed_gives_the_same_bytes_whatever_was_painted_before():
     assert (first.albedo != _paint(person, 6).albedo).any()
 
 
-def test_a_painter_of_ones_own_paints_the_same():
+def test_a_painter_of_ones_own_paints_the_same() -> None:
     person = _person(3)
     alone = paint_skin(person, 5, *position_map(SIZE))
     np.testing.assert_array_equal(alone.albedo, _paint(person, 5).albedo)
     assert alone.displacement.shape == (0,)
 
 
-def test_forehead_has_the_tone_that_was_asked_for():
+def test_forehead_has_the_tone_that_was_asked_for() -> None:
     fair = _colour(_plain(), (0.0, 45.0), 15.0)
     dark = _colour(_plain(complexion={"melanin": 0.25, "blood": 0.022}), (0.0, 45.0), 15.0)
     assert fair == pytest.approx([0.48, 0.29, 0.22], rel=0.15)
     assert (dark < 0.6 * fair).all()
 
 
-def test_lips_are_redder_than_the_chin_and_end_at_their_border():
+def test_lips_are_redder_than_the_chin_and_end_at_their_border() -> None:
     person = _plain()
     lip, chin = _colour(person, (0.0, -78.0), 3.0), _colour(person, (0.0, -98.0), 5.0)
     assert lip[0] / lip[1] > 1.15 * chin[0] / chin[1]
@@ -97,13 +108,13 @@ def test_lips_are_redder_than_the_chin_and_end_at_their_border():
     assert above[0] / above[1] < 1.1 * chin[0] / chin[1]
 
 
-def test_lipstick_has_its_own_colour():
+def test_lipstick_has_its_own_colour() -> None:
     red = {"lipstick": 0.9, "lipstick_colour": (0.4, 0.03, 0.04)}
     person = _plain(make_up=red)
     assert _colour(person, (0.0, -79.0), 2.0) == pytest.approx([0.4, 0.04, 0.05], abs=0.06)
 
 
-def test_brows_are_darker_than_the_skin_around_and_lie_above_the_eyes():
+def test_brows_are_darker_than_the_skin_around_and_lie_above_the_eyes() -> None:
     person = _plain(
         brows={"thickness_mm": 7.0, "density": 2.0, "height_mm": 0.0},
         hair_colour={"eumelanin": 6.0, "grey": 0.0},
@@ -112,7 +123,7 @@ def test_brows_are_darker_than_the_skin_around_and_lie_above_the_eyes():
     assert (brow < 0.5 * above).all()
 
 
-def test_a_dark_beard_darkens_and_thickens_the_chin():
+def test_a_dark_beard_darkens_and_thickens_the_chin() -> None:
     bare = _plain()
     person = _plain(
         beard={"kind": "full", "density": 1.2, "length_mm": 4.0, "patchiness": 0.0},
@@ -124,7 +135,7 @@ def test_a_dark_beard_darkens_and_thickens_the_chin():
     assert np.abs(_paint(bare).displacement[chin]).max() < 0.5
 
 
-def test_stubble_and_its_shadow_are_bluer_than_skin():
+def test_stubble_and_its_shadow_are_bluer_than_skin() -> None:
     bare, shaven = _plain(), _plain(beard={"kind": "none", "shadow": 0.9})
     shaven["hair_colour"]["eumelanin"] = 6.0
     plain, blue = _colour(bare, (45.0, -85.0)), _colour(shaven, (45.0, -85.0))
@@ -132,7 +143,7 @@ def test_stubble_and_its_shadow_are_bluer_than_skin():
     assert blue.sum() < plain.sum()
 
 
-def test_deep_lines_lower_the_skin_and_darken_it():
+def test_deep_lines_lower_the_skin_and_darken_it() -> None:
     smooth = {
         name: 0.0
         for name in ("forehead", "glabella", "crows_feet", "under_eye", "nasolabial", "marionette")
@@ -144,7 +155,7 @@ def test_deep_lines_lower_the_skin_and_darken_it():
     assert darker < 0.93 * _paint(young).albedo[_texels((28.0, -57.0), 3.0)].sum()
 
 
-def test_nothing_of_the_face_shows_on_the_back_of_the_head():
+def test_nothing_of_the_face_shows_on_the_back_of_the_head() -> None:
     lined = _plain(lines={"forehead": 1.0}, brows={"density": 2.0})
     smooth = _plain(lines={"forehead": 0.0}, brows={"density": 0.4})
     points, mask = position_map(SIZE)
@@ -152,13 +163,13 @@ def test_nothing_of_the_face_shows_on_the_back_of_the_head():
     np.testing.assert_array_equal(_paint(lined).albedo[behind], _paint(smooth).albedo[behind])
 
 
-def test_the_texture_continues_beyond_the_mask():
+def test_the_texture_continues_beyond_the_mask() -> None:
     albedo, (_, mask) = _paint(_plain()).albedo, position_map(SIZE)
     assert not mask.all()
     assert albedo[~mask].min() > 0.02
 
 
-def test_neighbours_across_the_back_of_the_head_agree():
+def test_neighbours_across_the_back_of_the_head_agree() -> None:
     points, mask = position_map(SIZE)
     behind = mask & (np.abs(points[..., 0]) < 3) & (points[..., 2] < -120) & (points[..., 1] > 0)
     albedo, side = _paint(_plain()).albedo, points[..., 0] > 0
@@ -166,10 +177,10 @@ def test_neighbours_across_the_back_of_the_head_agree():
     assert left == pytest.approx(right, rel=0.05)
 
 
-def test_appearances_are_plain_and_follow_the_person():
+def test_appearances_are_plain_and_follow_the_person() -> None:
     rng = np.random.default_rng(0)
 
-    def draw(**person):
+    def draw(**person: Any) -> list[Any]:
         drawn = {"masculinity": 0.5, "age": 0.3, "ancestry": EUROPEAN} | person
         return [sample_appearance(rng, **drawn) for _ in range(60)]
 
@@ -183,7 +194,7 @@ def test_appearances_are_plain_and_follow_the_person():
     assert any(person["make_up"]["lipstick"] > 0 for person in draw(masculinity=0.0))
 
 
-def test_two_people_differ_more_than_two_paintings_of_one():
+def test_two_people_differ_more_than_two_paintings_of_one() -> None:
     one, other = _person(1), _person(2)
     face = _texels((0.0, -20.0), 70.0)
     same = np.abs(_paint(one, 0).albedo - _paint(one, 1).albedo)[face].mean()
@@ -191,7 +202,7 @@ def test_two_people_differ_more_than_two_paintings_of_one():
     assert different > 1.5 * same
 
 
-def test_lip_texels_follow_the_outline_of_the_template():
+def test_lip_texels_follow_the_outline_of_the_template() -> None:
     points, _ = position_map(SIZE)
     lips = regions.lip_mask(points, regions.FACE.to_pixels(points)) > 0.5
     rows = points[lips]
@@ -200,11 +211,11 @@ def test_lip_texels_follow_the_outline_of_the_template():
     assert np.abs(rows[:, 0]).max() < 28
 
 
-def test_a_mask_of_another_size_is_refused():
+def test_a_mask_of_another_size_is_refused() -> None:
     with pytest.raises(ValueError, match="do not belong together"):
         SkinPainter(np.zeros((4, 4, 3), dtype=np.float32), np.ones((5, 4), dtype=bool))
 
 
-def test_an_empty_mask_is_refused():
+def test_an_empty_mask_is_refused() -> None:
     with pytest.raises(ValueError, match="no texel lies on the skin"):
         SkinPainter(np.zeros((4, 4, 3), dtype=np.float32), np.zeros((4, 4), dtype=bool))

@@ -29,7 +29,7 @@ POINTS = {
 }
 
 
-def _masks(kind):
+def _masks(kind: str) -> dict[str, float]:
     position = np.array(list(POINTS.values()))
     lips = np.array([name == "lip" for name in POINTS], dtype=np.float32)
     zones = beards.beard_zones(position, lips)
@@ -48,7 +48,7 @@ def _masks(kind):
         ("full", {"upper lip", "chin", "jaw"}),
     ],
 )
-def test_each_kind_grows_in_its_places_and_nowhere_else(kind, grows):
+def test_each_kind_grows_in_its_places_and_nowhere_else(kind: str, grows: set[str]) -> None:
     masks = _masks(kind)
     assert {name for name, value in masks.items() if value > 0.5} == grows
     assert masks["lip"] == 0
@@ -56,7 +56,7 @@ def test_each_kind_grows_in_its_places_and_nowhere_else(kind, grows):
         assert masks[bald] < 0.02, bald
 
 
-def test_a_higher_cheek_line_grows_more_cheek():
+def test_a_higher_cheek_line_grows_more_cheek() -> None:
     position = np.array([[46.0, -52.0, -15.0]])
     zones = beards.beard_zones(position, np.zeros(1, dtype=np.float32))
     high, low = (
@@ -65,7 +65,7 @@ def test_a_higher_cheek_line_grows_more_cheek():
     assert high > low
 
 
-def test_both_sides_grow_alike():
+def test_both_sides_grow_alike() -> None:
     position = np.random.default_rng(0).uniform((-80, -130, -90), (80, 0, 30), (500, 3))
     bare = np.zeros(500, dtype=np.float32)
     left = beards.beard_zones(position, bare)
@@ -74,7 +74,7 @@ def test_both_sides_grow_alike():
         np.testing.assert_array_equal(zone, right[name], err_msg=name)
 
 
-def test_the_jaw_unrolls_without_folding():
+def test_the_jaw_unrolls_without_folding() -> None:
     front, left, below = beards.to_jaw(
         np.array([[0.0, -35.0, 10.0], [85.0, -35.0, -75.0], [0.0, -120.0, -75.0]])
     )
@@ -84,14 +84,14 @@ def test_the_jaw_unrolls_without_folding():
     np.testing.assert_allclose(below[1], -quarter, atol=1e-3)
 
 
-def test_a_beard_of_density_one_has_5200_strands_that_point_down():
+def test_a_beard_of_density_one_has_5200_strands_that_point_down() -> None:
     strands = beards.beard_strands(PLAIN, np.random.default_rng(0))
     assert strands.shape == (5200, 4, 2)
     assert np.mean(strands[:, -1, 1] < strands[:, 0, 1]) > 0.9
 
 
 @pytest.mark.parametrize("kind", BEARD_KINDS)
-def test_every_kind_draws_the_same_for_the_same_seed(kind):
+def test_every_kind_draws_the_same_for_the_same_seed(kind: str) -> None:
     beard = PLAIN | {"kind": kind}
     first, again = (beards.draw_beard(beard, np.random.default_rng(7)) for _ in range(2))
     assert first.shape == JAW.shape
@@ -99,7 +99,7 @@ def test_every_kind_draws_the_same_for_the_same_seed(kind):
     assert first.any() == (kind != "none")
 
 
-def test_longer_beards_cover_more_skin():
+def test_longer_beards_cover_more_skin() -> None:
     short, long = (
         beards.draw_beard(PLAIN | {"length_mm": mm}, np.random.default_rng(0)).mean()
         for mm in (1.0, 5.0)
@@ -107,7 +107,7 @@ def test_longer_beards_cover_more_skin():
     assert long > 1.3 * short
 
 
-def test_patches_only_thin_a_beard():
+def test_patches_only_thin_a_beard() -> None:
     rng = np.random.default_rng(0)
     whole = beards.thin_out(PLAIN, rng, (60, 90))
     patchy = beards.thin_out(PLAIN | {"patchiness": 0.8}, rng, (60, 90))
@@ -117,7 +117,7 @@ def test_patches_only_thin_a_beard():
     assert patchy.std() > 0.1
 
 
-def test_where_the_mask_is_soft_only_strong_hairs_grow():
+def test_where_the_mask_is_soft_only_strong_hairs_grow() -> None:
     opacity = np.array([0.2, 0.9], dtype=np.float32)
     assert beards.feather(opacity, np.ones(2, dtype=np.float32)).tolist() == opacity.tolist()
     weak, strong = beards.feather(opacity, np.full(2, 0.4, dtype=np.float32))
@@ -126,7 +126,7 @@ def test_where_the_mask_is_soft_only_strong_hairs_grow():
     assert not beards.feather(opacity, np.zeros(2, dtype=np.float32)).any()
 
 
-def test_women_grow_no_beard_and_men_grow_every_kind():
+def test_women_grow_no_beard_and_men_grow_every_kind() -> None:
     rng = np.random.default_rng(0)
     women = [beards.sample_beard(rng, masculinity=0.3, asian=0.0, grey=0.0) for _ in range(100)]
     men = [beards.sample_beard(rng, masculinity=0.95, asian=0.2, grey=0.5) for _ in range(300)]

@@ -2,9 +2,10 @@ import json
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from lrsr.identities import brows as eyebrows
-from lrsr.identities.brows import CANVAS, brow_line, brow_strands, brow_thickness, draw_brows
+from lrsr.identities.brows import CANVAS, Brows, brow_line, brow_strands, brow_thickness, draw_brows
 
 PLAIN = {
     "start_mm": 12.0,
@@ -23,16 +24,16 @@ PLAIN = {
 }
 
 
-def _coverage(brows, seed=0):
+def _coverage(brows: dict[str, float], seed: int = 0) -> NDArray[np.float64]:
     return draw_brows(brows, np.random.default_rng(seed)).astype(float)
 
 
-def test_a_plain_brow_has_420_strands():
+def test_a_plain_brow_has_420_strands() -> None:
     assert brow_strands(PLAIN, np.random.default_rng(0)).shape == (420, 4, 2)
 
 
 @pytest.mark.parametrize("masculinity", [0.0, 0.5, 1.0])
-def test_samples_keep_to_the_recipes_ranges(masculinity):
+def test_samples_keep_to_the_recipes_ranges(masculinity: float) -> None:
     rng = np.random.default_rng(1)
     drawn = [eyebrows.sample_brows(rng, masculinity=masculinity) for _ in range(300)]
     limits = {
@@ -50,19 +51,19 @@ def test_samples_keep_to_the_recipes_ranges(masculinity):
     assert json.loads(json.dumps(drawn[0])) == drawn[0]
 
 
-def test_mens_brows_are_thicker_and_lower_on_average():
+def test_mens_brows_are_thicker_and_lower_on_average() -> None:
     rng = np.random.default_rng(2)
     women = [eyebrows.sample_brows(rng, masculinity=0.0) for _ in range(400)]
     men = [eyebrows.sample_brows(rng, masculinity=1.0) for _ in range(400)]
 
-    def mean(people, name):
+    def mean(people: list[Brows], name: str) -> float:
         return np.mean([person[name] for person in people])
 
     assert mean(men, "thickness_mm") > mean(women, "thickness_mm") + 0.5
     assert mean(men, "height_mm") < mean(women, "height_mm") - 1
 
 
-def test_the_line_runs_from_nose_to_temple_and_peaks_where_told():
+def test_the_line_runs_from_nose_to_temple_and_peaks_where_told() -> None:
     along = np.linspace(0, 1, 401)
     line = brow_line(PLAIN, along)
     assert line[0, 0] == 12.0
@@ -70,14 +71,14 @@ def test_the_line_runs_from_nose_to_temple_and_peaks_where_told():
     assert along[line[:, 1].argmax()] == pytest.approx(0.6, abs=0.01)
 
 
-def test_the_brow_tapers_to_a_tip():
+def test_the_brow_tapers_to_a_tip() -> None:
     thickness = brow_thickness(PLAIN, np.array([0.25, 0.6, 0.9, 1.0]))
     assert thickness[0] == pytest.approx(4.2)
     assert (np.diff(thickness) < 0).all()
     assert thickness[-1] == pytest.approx(0.42)
 
 
-def test_brows_lie_above_the_eyes_on_both_sides():
+def test_brows_lie_above_the_eyes_on_both_sides() -> None:
     sheet = _coverage(PLAIN)
     rows, columns = np.nonzero(sheet > 60)
     x = CANVAS.left_mm + (columns + 0.5) * CANVAS.pixel_mm
@@ -88,18 +89,18 @@ def test_brows_lie_above_the_eyes_on_both_sides():
     assert np.mean(x < 0) == pytest.approx(0.5, abs=0.03)
 
 
-def test_denser_and_thicker_brows_cover_more():
+def test_denser_and_thicker_brows_cover_more() -> None:
     dense, thick = PLAIN | {"density": 2.0}, PLAIN | {"thickness_mm": 8.0}
     assert _coverage(dense).sum() > 1.2 * _coverage(PLAIN).sum()
     assert _coverage(thick).sum() > 1.5 * _coverage(PLAIN).sum()
 
 
-def test_a_bridge_joins_the_brows():
+def test_a_bridge_joins_the_brows() -> None:
     middle = slice(int(60 / CANVAS.pixel_mm), int(72 / CANVAS.pixel_mm))
     assert _coverage(PLAIN)[:, middle].sum() == 0
     assert _coverage(PLAIN | {"bridge": 1.0})[:, middle].max() > 100
 
 
-def test_the_same_seed_draws_the_same_hairs():
+def test_the_same_seed_draws_the_same_hairs() -> None:
     np.testing.assert_array_equal(_coverage(PLAIN, 5), _coverage(PLAIN, 5))
     assert (_coverage(PLAIN, 5) != _coverage(PLAIN, 6)).any()

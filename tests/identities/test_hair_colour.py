@@ -3,30 +3,30 @@ import json
 import numpy as np
 import pytest
 
-from lrsr.identities.hair_colour import hair_rgb, sample_hair_colour
+from lrsr.identities.hair_colour import HairColour, hair_rgb, sample_hair_colour
 
 
-def _hair(eumelanin=1.3, pheomelanin=0.1, grey=0.0):
+def _hair(eumelanin: float = 1.3, pheomelanin: float = 0.1, grey: float = 0.0) -> HairColour:
     return {"eumelanin": eumelanin, "pheomelanin": pheomelanin, "grey": grey}
 
 
-def test_brown_hair_as_worked_by_hand():
+def test_brown_hair_as_worked_by_hand() -> None:
     # red: absorption 1.3 * 0.419 + 0.1 * 0.187 = 0.5634; 0.009 + exp(-3.2 * sqrt(0.5634))
     assert hair_rgb(_hair())[0] == pytest.approx(0.009 + np.exp(-3.2 * 0.75060), rel=1e-4)
 
 
-def test_more_pigment_is_darker():
+def test_more_pigment_is_darker() -> None:
     tones = np.array([hair_rgb(_hair(eumelanin=e)) for e in (0.1, 0.5, 1.3, 3.0, 7.0)])
     assert (np.diff(tones, axis=0) < 0).all()
     assert tones[-1].max() < 0.02
 
 
-def test_pheomelanin_makes_hair_red():
+def test_pheomelanin_makes_hair_red() -> None:
     red, fair = hair_rgb(_hair(0.2, 1.2)), hair_rgb(_hair(0.6, 0.05))
     assert red[0] / red[2] > 1.4 * fair[0] / fair[2]
 
 
-def test_white_hair_is_grey_and_brows_stay_darker():
+def test_white_hair_is_grey_and_brows_stay_darker() -> None:
     white = hair_rgb(_hair(grey=1.0))
     assert white.max() / white.min() < 1.1
     brow = hair_rgb(_hair(grey=1.0), darker=2.0, grey=0.35)
@@ -34,14 +34,14 @@ def test_white_hair_is_grey_and_brows_stay_darker():
     assert (brow < 0.5 * white).all()
 
 
-def test_a_share_of_grey_beyond_all_hairs_is_all_hairs():
+def test_a_share_of_grey_beyond_all_hairs_is_all_hairs() -> None:
     np.testing.assert_array_equal(hair_rgb(_hair(grey=0.9), grey=2.0), hair_rgb(_hair(grey=1.0)))
 
 
-def test_ancestry_and_age_colour_hair():
+def test_ancestry_and_age_colour_hair() -> None:
     rng = np.random.default_rng(0)
 
-    def draw(age, ancestry):
+    def draw(age: float, ancestry: tuple[int, int, int]) -> list[HairColour]:
         return [sample_hair_colour(rng, age=age, ancestry=ancestry) for _ in range(200)]
 
     african, european = draw(0.2, (1, 0, 0)), draw(0.2, (0, 0, 1))

@@ -1,7 +1,9 @@
 import json
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from lrsr.identities.iris import EDGE_ANGLE_RAD, IRIS_COLOURS, paint_eye, sample_iris
 
@@ -17,17 +19,17 @@ BROWN = {
 }
 
 
-def _angle(size):
+def _angle(size: int) -> NDArray[np.float64]:
     centred = (np.arange(size) + 0.5) / size * 2 - 1
     return np.hypot(*np.meshgrid(centred, centred)) * EDGE_ANGLE_RAD
 
 
-def _paint(iris, seed=0, size=256):
+def _paint(iris: dict[str, Any], seed: int = 0, size: int = 256) -> NDArray[np.float32]:
     return paint_eye(iris, np.random.default_rng(seed), texture_size=size)
 
 
 @pytest.mark.parametrize("size", [64, 256])
-def test_pupil_iris_and_sclera_meet_at_their_angles(size):
+def test_pupil_iris_and_sclera_meet_at_their_angles(size: int) -> None:
     eye, angle = _paint(BROWN, size=size).mean(axis=-1), _angle(size)
     assert eye[angle < 0.13].max() < 0.02
     iris = eye[(angle > 0.20) & (angle < 0.34)]
@@ -37,20 +39,20 @@ def test_pupil_iris_and_sclera_meet_at_their_angles(size):
     assert sclera.mean() > 8 * iris.mean()
 
 
-def test_a_wider_iris_covers_more():
+def test_a_wider_iris_covers_more() -> None:
     wide = _paint(BROWN | {"half_angle_rad": 0.43}).mean(axis=-1) < 0.2
     narrow = _paint(BROWN | {"half_angle_rad": 0.37}).mean(axis=-1) < 0.2
     assert wide.sum() / narrow.sum() == pytest.approx((0.43 / 0.37) ** 2, rel=0.05)
 
 
-def test_the_limbus_is_darker_than_the_middle():
+def test_the_limbus_is_darker_than_the_middle() -> None:
     eye, angle = _paint(BROWN).mean(axis=-1), _angle(256)
     assert (
         eye[(angle > 0.35) & (angle < 0.38)].mean() < 0.75 * eye[np.abs(angle - 0.26) < 0.04].mean()
     )
 
 
-def test_fibres_run_along_the_radius():
+def test_fibres_run_along_the_radius() -> None:
     eye = _paint(BROWN).mean(axis=-1)
     radius, azimuth = np.meshgrid(np.linspace(0.2, 0.27, 12), np.linspace(0, 6.28, 300))
     pixel = 128 / EDGE_ANGLE_RAD
@@ -61,7 +63,7 @@ def test_fibres_run_along_the_radius():
 
 
 @pytest.mark.parametrize("colour", IRIS_COLOURS)
-def test_every_colour_is_a_reflectance(colour):
+def test_every_colour_is_a_reflectance(colour: str) -> None:
     eye = _paint(BROWN | {"colour": colour, "brightness": 1.6, "ring": 0.8})
     assert eye.shape == (256, 256, 3)
     assert eye.dtype == np.float32
@@ -69,23 +71,23 @@ def test_every_colour_is_a_reflectance(colour):
     assert eye.max() <= 1
 
 
-def test_blue_eyes_are_bluer_than_brown_ones():
+def test_blue_eyes_are_bluer_than_brown_ones() -> None:
     middle = np.abs(_angle(256) - 0.27) < 0.05
     brown, blue = (_paint(BROWN | {"colour": c})[middle].mean(axis=0) for c in ("brown", "blue"))
     assert blue[2] > blue[0]
     assert brown[0] > 2 * brown[2]
 
 
-def test_redness_reddens_the_sclera():
+def test_redness_reddens_the_sclera() -> None:
     corner = np.abs(_angle(256) - 1.1) < 0.1
     pale, red = (_paint(BROWN | {"redness": r})[corner].mean(axis=0) for r in (0.05, 1.0))
     assert red[0] / red[1] > 1.05 * pale[0] / pale[1]
 
 
-def test_light_eyes_need_european_ancestry():
+def test_light_eyes_need_european_ancestry() -> None:
     rng = np.random.default_rng(0)
 
-    def light(european, eumelanin):
+    def light(european: float, eumelanin: float) -> float:
         drawn = [
             sample_iris(rng, european=european, eumelanin=eumelanin, age=0.3)["colour"]
             for _ in range(200)
@@ -97,7 +99,7 @@ def test_light_eyes_need_european_ancestry():
     assert 0.2 < light(1.0, 6.0) < 0.55
 
 
-def test_samples_keep_to_the_recipe_and_are_plain():
+def test_samples_keep_to_the_recipe_and_are_plain() -> None:
     rng = np.random.default_rng(0)
     for _ in range(50):
         iris = sample_iris(rng, european=0.7, eumelanin=1.0, age=0.5)
@@ -105,11 +107,11 @@ def test_samples_keep_to_the_recipe_and_are_plain():
         assert json.loads(json.dumps(iris)) == iris
 
 
-def test_the_same_seed_paints_the_same_eye():
+def test_the_same_seed_paints_the_same_eye() -> None:
     np.testing.assert_array_equal(_paint(BROWN, 3), _paint(BROWN, 3))
     assert (_paint(BROWN, 3) != _paint(BROWN, 4)).any()
 
 
-def test_a_texture_too_small_for_an_iris_is_refused():
+def test_a_texture_too_small_for_an_iris_is_refused() -> None:
     with pytest.raises(ValueError, match="at least 16, got 8"):
         _paint(BROWN, size=8)

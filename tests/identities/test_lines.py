@@ -19,11 +19,11 @@ SMOOTH = {
 }
 
 
-def _row(y):
+def _row(y: float) -> int:
     return int((FACE.top_mm - y) / FACE.pixel_mm)
 
 
-def test_a_groove_has_the_depth_and_the_gaussian_profile_it_was_given():
+def test_a_groove_has_the_depth_and_the_gaussian_profile_it_was_given() -> None:
     sheet = np.zeros(FACE.shape, dtype=np.float32)
     carve_groove(FACE, sheet, [(-40.0, 0.1), (40.0, 0.1)], depth_mm=0.8, width_mm=1.6)
     profile = sheet[:, FACE.shape[1] // 2]
@@ -33,7 +33,7 @@ def test_a_groove_has_the_depth_and_the_gaussian_profile_it_was_given():
     assert profile[at + 8] == pytest.approx(-0.8 * np.exp(-2.0), rel=0.15)
 
 
-def test_a_groove_runs_out_at_its_ends():
+def test_a_groove_runs_out_at_its_ends() -> None:
     sheet = np.zeros(FACE.shape, dtype=np.float32)
     carve_groove(FACE, sheet, [(-30.0, 0.0), (30.0, 0.0)], depth_mm=1.0, width_mm=1.0)
     along = sheet.min(axis=0)
@@ -42,20 +42,20 @@ def test_a_groove_runs_out_at_its_ends():
     assert (along[: near_end - 20] == 0).all()
 
 
-def test_a_groove_beyond_the_sheet_or_of_no_depth_changes_nothing():
+def test_a_groove_beyond_the_sheet_or_of_no_depth_changes_nothing() -> None:
     sheet = np.zeros(FACE.shape, dtype=np.float32)
     carve_groove(FACE, sheet, [(300.0, 0.0), (330.0, 0.0)], depth_mm=1.0, width_mm=1.0)
     carve_groove(FACE, sheet, [(-30.0, 0.0), (30.0, 0.0)], depth_mm=0.0, width_mm=1.0)
     assert not sheet.any()
 
 
-def test_a_groove_may_leave_the_sheet():
+def test_a_groove_may_leave_the_sheet() -> None:
     sheet = np.zeros(FACE.shape, dtype=np.float32)
     carve_groove(FACE, sheet, [(-200.0, 0.0), (200.0, 0.0)], depth_mm=1.0, width_mm=1.0)
     assert sheet.min() == pytest.approx(-1.0, rel=0.05)
 
 
-def test_a_smooth_face_has_no_lines():
+def test_a_smooth_face_has_no_lines() -> None:
     assert not draw_lines(SMOOTH, FACE).any()
 
 
@@ -70,10 +70,12 @@ def test_a_smooth_face_has_no_lines():
         ("marionette", (31.0, -88.0), (0.0, -88.0)),
     ],
 )
-def test_each_group_lies_in_its_place_on_both_sides(group, place, elsewhere):
+def test_each_group_lies_in_its_place_on_both_sides(
+    group: str, place: tuple[float, float], elsewhere: tuple[float, float]
+) -> None:
     sheet = draw_lines(SMOOTH | {group: 1.0}, FACE)
 
-    def deepest(x, y, reach=14):
+    def deepest(x: float, y: float, reach: int = 14) -> float:
         column = int((x - FACE.left_mm) / FACE.pixel_mm)
         return sheet[_row(y) - reach : _row(y) + reach, column - reach : column + reach].min()
 
@@ -82,8 +84,8 @@ def test_each_group_lies_in_its_place_on_both_sides(group, place, elsewhere):
     assert deepest(*elsewhere) == 0
 
 
-def test_lines_deepen_with_age():
-    def depth(age):
+def test_lines_deepen_with_age() -> None:
+    def depth(age: float) -> float:
         rng = np.random.default_rng(0)
         people = [sample_lines(rng, age=age) for _ in range(60)]
         return np.mean([[person["forehead"], person["crows_feet"]] for person in people])
@@ -92,7 +94,7 @@ def test_lines_deepen_with_age():
     assert depth(0.3) < depth(0.6) < depth(1.0)
 
 
-def test_the_fold_beside_the_nose_is_there_from_youth():
+def test_the_fold_beside_the_nose_is_there_from_youth() -> None:
     lines = sample_lines(np.random.default_rng(0), age=0.0)
     assert 0.1 <= lines["nasolabial"] <= 0.25
     assert json.loads(json.dumps(lines)) == lines

@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from lrsr.identities.relief import displace
 
 
-def _sphere(n=40):
+def _sphere(n: int = 40) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     polar, azimuth = np.meshgrid(
         np.linspace(0.3, np.pi - 0.3, n), np.linspace(0, 2 * np.pi, n), indexing="ij"
     )
@@ -21,20 +22,20 @@ def _sphere(n=40):
     return 50.0 * vertices, faces
 
 
-def test_a_raised_sphere_is_a_larger_sphere():
+def test_a_raised_sphere_is_a_larger_sphere() -> None:
     vertices, faces = _sphere()
     raised = displace(vertices, faces, np.full(len(vertices), 2.0))
     inner = np.linalg.norm(raised, axis=1).reshape(40, 40)[1:-1, 1:-1]
     np.testing.assert_allclose(inner, 52.0, atol=0.02)
 
 
-def test_a_negative_height_lowers():
+def test_a_negative_height_lowers() -> None:
     vertices, faces = _sphere()
     lowered = displace(vertices, faces, np.full(len(vertices), -1.0))
     assert np.linalg.norm(lowered, axis=1).max() < 50
 
 
-def test_what_has_no_height_stays_exactly():
+def test_what_has_no_height_stays_exactly() -> None:
     vertices, faces = _sphere()
     height = np.zeros(len(vertices))
     height[:100] = 1.0
@@ -43,7 +44,7 @@ def test_what_has_no_height_stays_exactly():
     assert (moved[:100] != vertices[:100]).any(axis=1).all()
 
 
-def test_a_vertex_without_faces_stays():
+def test_a_vertex_without_faces_stays() -> None:
     vertices, faces = _sphere()
     lonely = np.concatenate([vertices, [[1.0, 2.0, 3.0]]])
     moved = displace(lonely, faces, np.ones(len(lonely)))

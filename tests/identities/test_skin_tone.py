@@ -1,45 +1,46 @@
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from skimage.color import rgb2lab
 
 from lrsr.identities import skin_tone
 
 
-def _lab(colour):
+def _lab(colour: NDArray[np.float64]) -> NDArray[np.float64]:
     encoded = np.where(colour <= 0.0031308, 12.92 * colour, 1.055 * colour ** (1 / 2.4) - 0.055)
     return rgb2lab(encoded)
 
 
-def test_blood_absorbs_as_worked_by_hand_at_540_nm():
+def test_blood_absorbs_as_worked_by_hand_at_540_nm() -> None:
     # 0.75 * 53236 + 0.25 * 46592 = 51575 per molar and cm; times ln 10 * 150 / 64500, per mm
     at_540 = skin_tone.blood_absorption()[14]
     assert at_540 == pytest.approx(51575 * 2.302585 * 150 / 64500 / 10, rel=1e-6)
     assert at_540 == pytest.approx(27.62, abs=0.01)
 
 
-def test_melanin_absorbs_as_worked_by_hand_at_500_nm():
+def test_melanin_absorbs_as_worked_by_hand_at_500_nm() -> None:
     # eumelanin 6.6e10 * 500^-3.33 = 67.94, pheomelanin 2.9e14 * 500^-4.75 = 43.89, 93 : 7
     assert skin_tone.melanin_absorption(500.0) == pytest.approx(
         0.93 * 67.94 + 0.07 * 43.89, rel=1e-3
     )
 
 
-def test_baseline_absorbs_as_worked_by_hand_at_500_nm():
+def test_baseline_absorbs_as_worked_by_hand_at_500_nm() -> None:
     assert skin_tone.baseline_absorption(500.0) == pytest.approx(
         0.0244 + 8.53 * np.exp(-5.2266), rel=1e-4
     )
 
 
-def test_diffuse_reflectance_is_jensens_formula_worked_by_hand():
+def test_diffuse_reflectance_is_jensens_formula_worked_by_hand() -> None:
     # albedo 0.99: root sqrt(0.03); index 1.4: Fdr 0.52949, A 3.2507
     assert skin_tone.diffuse_reflectance(0.99) == pytest.approx(0.6128, abs=2e-4)
 
 
-def test_a_white_surface_is_white_under_d65():
+def test_a_white_surface_is_white_under_d65() -> None:
     np.testing.assert_allclose(skin_tone.spectrum_to_linear_srgb(np.ones(31)), 1.0, atol=5e-3)
 
 
-def test_a_red_filter_is_red():
+def test_a_red_filter_is_red() -> None:
     red, green, blue = skin_tone.spectrum_to_linear_srgb(
         (skin_tone.WAVELENGTHS_NM > 600).astype(float)
     )
@@ -49,19 +50,19 @@ def test_a_red_filter_is_red():
 
 
 @pytest.mark.parametrize("blood", [0.013, 0.022, 0.05])
-def test_more_melanin_is_darker_in_every_channel(blood):
+def test_more_melanin_is_darker_in_every_channel(blood: float) -> None:
     colours = skin_tone.tone(np.geomspace(0.009, 0.32, 20), blood)
     assert (np.diff(colours, axis=0) < 0).all()
 
 
 @pytest.mark.parametrize("melanin", [0.009, 0.05, 0.32])
-def test_more_blood_is_redder_and_darker(melanin):
+def test_more_blood_is_redder_and_darker(melanin: float) -> None:
     colours = skin_tone.tone(melanin, np.geomspace(0.005, 0.2, 20))
     assert (np.diff(colours[:, 0] / colours[:, 1]) > 0).all()
     assert (np.diff(colours.sum(axis=1)) < 0).all()
 
 
-def test_reflectance_stays_physical():
+def test_reflectance_stays_physical() -> None:
     melanin, blood = np.meshgrid([0.0, 0.01, 0.5, 1.0], [0.0, 0.02, 1.0])
     spectra = skin_tone.skin_reflectance(melanin, blood)
     assert spectra.shape == (3, 4, 31)
@@ -74,14 +75,14 @@ def test_reflectance_stays_physical():
     [(0.009, (60, 72)), (0.022, (58, 70)), (0.045, (52, 66)), (0.22, (28, 45))],
     ids=["very fair", "european mean", "asian mean", "african mean"],
 )
-def test_tones_lie_in_the_gamut_of_human_skin(melanin, lightness):
+def test_tones_lie_in_the_gamut_of_human_skin(melanin: float, lightness: tuple[int, int]) -> None:
     light, a, b = _lab(skin_tone.tone(melanin, 0.022))
     assert lightness[0] < light < lightness[1]
     assert 6 < a < 24
     assert 8 < b < 32
 
 
-def test_table_agrees_with_the_exact_tone_within_one_percent():
+def test_table_agrees_with_the_exact_tone_within_one_percent() -> None:
     rng = np.random.default_rng(0)
     melanin = np.log(np.geomspace(0.0021, 0.59, 64))[rng.permutation(64)].astype(np.float32)
     blood = np.log(np.geomspace(0.0021, 0.39, 50))[rng.permutation(50)].astype(np.float32)
@@ -90,7 +91,7 @@ def test_table_agrees_with_the_exact_tone_within_one_percent():
     np.testing.assert_allclose(skin_tone.tone_map(rows, columns), exact, rtol=0.012)
 
 
-def test_table_clamps_what_lies_beyond_it():
+def test_table_clamps_what_lies_beyond_it() -> None:
     low, high = skin_tone.MELANIN_RANGE
     beyond = np.log(np.array([[low / 100, high * 100]], dtype=np.float32))
     blood = np.full((1, 2), np.log(0.02), dtype=np.float32)
@@ -100,6 +101,6 @@ def test_table_clamps_what_lies_beyond_it():
     )
 
 
-def test_table_cannot_be_overwritten():
+def test_table_cannot_be_overwritten() -> None:
     with pytest.raises(ValueError, match="read-only"):
         skin_tone.tone_table()[0, 0] = 0
