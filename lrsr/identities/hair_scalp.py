@@ -103,8 +103,9 @@ def scalp_mask(
 
 
 def bald_polar(azimuth: Floats, bald_deg: float) -> Floats:
-    """Return the polar angle of the upper rim of a horseshoe of hair, degrees."""
-    return np.asarray(bald_deg * (1.08 + 0.12 * np.cos(np.deg2rad(azimuth))), dtype=np.float64)
+    """Return the polar angle of the upper rim of a horseshoe of hair, degrees; none in front."""
+    front = 24.0 * np.exp(-((azimuth / 48.0) ** 4))
+    return np.asarray(bald_deg * (1.08 + 0.12 * np.cos(np.deg2rad(azimuth))) + front)
 
 
 def _strokes(rng: np.random.Generator, azimuth: Floats, polar: Floats) -> Floats:

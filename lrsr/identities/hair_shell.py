@@ -115,7 +115,8 @@ def _paths(
     hangs = low < hairline_y
     leave_polar = np.where(hangs, np.minimum(hairline, _HANG_POLAR_DEG), hairline)
     leave_y = _sample(chart, azimuth, leave_polar)[:, 1]
-    fringe = parameters["fringe_mm"] * smoothstep((54.0 - np.abs(azimuth)) / 14.0)
+    fringe = parameters["fringe_mm"] + parameters["fringe_tilt_mm"] * np.sin(np.deg2rad(azimuth))
+    fringe = fringe * smoothstep((54.0 - np.abs(azimuth)) / 14.0)
     drop = np.where(hangs, leave_y - low, np.maximum(fringe, 0.0))
     crown = np.array(
         [parameters["crown_x_deg"] + 0.8 * parameters["parting_deg"], parameters["crown_z_deg"]]
@@ -204,6 +205,8 @@ def _lift(
     gather = -0.35 * parameters["clump_scale_mm"] * paths.tuft[:, None] * loose
     bend = _noise(rng, (COLUMNS,), (12.0,), 1.0)[:, None] * np.sin(np.pi * (share - 0.3) / 0.7)
     gather = gather + parameters["sway_mm"] * bend * paths.free[:, None] * (share > 0.3)
+    front = smoothstep((58.0 - np.abs(paths.leave_azimuth)) / 20.0)
+    gather = gather + parameters["sweep_mm"] * front[:, None] * share**2
     aside = swing * np.sin(phase) + gather
     height = height + parameters["flare_mm"] * loose**3
     points = points + outward * height[..., None] + lateral * aside[..., None]
@@ -229,7 +232,9 @@ def _thickness(
     full = full * (1.0 - dip * np.minimum(1.0, 4.0 * paths.on_parting[:, None]))
     left = paths.length_mm[:, None] - along
     free = paths.free[:, None]
-    fade = smoothstep(left / parameters["taper_mm"])
+    inner = np.clip(left / parameters["taper_mm"], 0.0, 1.0)
+    fade = smoothstep(inner)
+    fade = fade + parameters["roundness"] * (np.sqrt(inner * (2.0 - inner)) - fade)
     close = full * fade - 1.6 * (1.0 - smoothstep(left / 5.0))
     share = smoothstep(down / np.maximum(down.max(axis=1, keepdims=True), 1.0))
     tip = np.minimum(parameters["tip_mm"], full)
@@ -242,6 +247,8 @@ def _thickness(
     if parameters["bald_deg"] > 0:
         rim = smoothstep(along / (0.8 * parameters["taper_mm"]))
         height = height * rim - 1.6 * (1.0 - smoothstep(along / 6.0))
+        grows = smoothstep((paths.over_skull_mm - 8.0) / 16.0)[:, None]
+        height = grows * height - 5.0 * (1.0 - grows)
         fade = fade * rim
     return height, fade * leading
 

@@ -10,14 +10,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from lrsr.identities.hair_shell import BEYOND_MM, COLUMNS, ROWS, Shell
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 
 RIBBONS = 3600
 POINTS = 8
+CURLY_FROM_MM = 2.0
+"""Curls of at least this radius take short ribbons of several turns, smaller ones long strands."""
+
 _EDGE_SHARE = 0.45
+_CURLY_REACH = 0.4
 
 
 class Layout(NamedTuple):
@@ -34,10 +40,10 @@ class Layout(NamedTuple):
 
     column: Floats
     row: Floats
-    half_width_mm: Floats
-    twist: Floats
-    rise: Floats
-    phase: Floats
+    half_width_mm: Singles
+    twist: Singles
+    rise: Singles
+    phase: Singles
 
 
 @lru_cache(maxsize=1)
@@ -63,39 +69,36 @@ def layout() -> Layout:
     return Layout(
         column,
         row,
-        width,
-        rng.normal(0.0, 0.45, RIBBONS),
-        rise,
-        rng.uniform(0.0, 2.0 * np.pi, RIBBONS),
+        width.astype(np.float32),
+        rng.normal(0.0, 0.45, RIBBONS).astype(np.float32),
+        rise.astype(np.float32),
+        rng.uniform(0.0, 2.0 * np.pi, RIBBONS).astype(np.float32),
     )
 
 
-def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Generator) -> Floats:
+def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Generator) -> Singles:
     """Return the ribbons' vertices, ``(RIBBONS, POINTS, 2, 3)`` mm: left and right edge."""
     plan = layout()
+    curly = parameters["curl_mm"] >= CURLY_FROM_MM
     stacked = np.concatenate([shell.points, shell.outward, shell.height[..., None]], axis=-1)
-    sampled = _sample(stacked, plan.column, plan.row)
+    sampled = _sampler(curly) @ stacked.reshape(-1, 7).astype(np.float32)
+    sampled = sampled.reshape(RIBBONS, POINTS, 7)
     centre, outward, height = sampled[..., :3], sampled[..., 3:6], sampled[..., 6]
-    tangent = np.gradient(centre, axis=1)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=-1, keepdims=True), 1e-6)
-    across = np.cross(outward, tangent)
-    across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-6)
-    above = np.cross(tangent, across)
-    if parameters["sunk_mm"] > 0:
-        off = np.zeros_like(height)
-        curl = 0.0
-    else:
+    tangent = _unit(_along(centre))
+    across = _unit(_cross(outward, tangent))
+    if parameters["sunk_mm"] <= 0:
         thick = np.clip(height / 4.0, 0.15, 1.0)
         off = 0.35 + parameters["flyaway_mm"] * plan.rise * thick
-        off = off + np.clip(0.6 - height, 0.0, 2.5) * 0.8
+        off += np.clip(0.6 - height, 0.0, 2.5) * 0.8
         curl = parameters["curl_mm"] * np.clip(height / 8.0, 0.0, 1.0)
-    turns = plan.phase[:, None] + np.linspace(0.0, 4.5, POINTS)[None, :] * (
-        1.0 + 0.3 * rng.normal(size=(RIBBONS, 1))
-    )
-    centre = centre + outward * (off + 0.5 * curl * (1 + np.cos(turns)))[..., None]
-    centre = centre + across * (curl * np.sin(turns))[..., None]
+        turns = np.linspace(0.0, 8.0 if curly else 4.5, POINTS, dtype=np.float32)[None, :]
+        turns = turns * rng.uniform(0.6, 1.4, (RIBBONS, 1)).astype(np.float32)
+        turns += plan.phase[:, None]
+        centre = centre + outward * (off + 0.5 * curl * (1 + np.cos(turns)))[..., None]
+        centre += across * (curl * np.sin(turns))[..., None]
     tilt = plan.twist[:, None, None]
-    half = (np.cos(tilt) * across + np.sin(tilt) * above) * plan.half_width_mm[..., None]
+    half = np.cos(tilt) * across + np.sin(tilt) * _cross(tangent, across)
+    half *= plan.half_width_mm[..., None]
     return np.stack([centre - half, centre + half], axis=2)
 
 
@@ -113,7 +116,7 @@ def strand_faces() -> NDArray[np.int32]:
     return faces.reshape(-1, 3).astype(np.int32)
 
 
-def strand_uv() -> NDArray[np.float32]:
+def strand_uv() -> Singles:
     """Return the ribbons' texture coordinates, ``(RIBBONS * POINTS * 2, 2)``."""
     plan = layout()
     u = plan.column[:, :1] / (COLUMNS - 1.0) + np.zeros((1, POINTS))
@@ -126,10 +129,45 @@ def strand_uv() -> NDArray[np.float32]:
     return uv.reshape(-1, 2).astype(np.float32)
 
 
-def _sample(grid: Floats, column: Floats, row: Floats) -> Floats:
-    c0 = np.clip(column.astype(np.intp), 0, grid.shape[0] - 2)
-    r0 = np.clip(row.astype(np.intp), 0, grid.shape[1] - 2)
-    fc, fr = (column - c0)[..., None], (row - r0)[..., None]
-    near = grid[c0, r0] * (1 - fr) + grid[c0, r0 + 1] * fr
-    far = grid[c0 + 1, r0] * (1 - fr) + grid[c0 + 1, r0 + 1] * fr
-    return near * (1 - fc) + far * fc
+@lru_cache(maxsize=2)
+def _sampler(curly: bool) -> Any:
+    """Sparse ``(RIBBONS * POINTS, COLUMNS * (ROWS + 3))``: the shell, bilinear, at the ribbons."""
+    plan = layout()
+    rows = ROWS + len(BEYOND_MM)
+    row = plan.row
+    if curly:
+        end = row[:, -1:]
+        row = end + (row - end) * _CURLY_REACH
+    column, row = plan.column.ravel(), row.ravel()
+    c0 = np.clip(column.astype(np.int64), 0, COLUMNS - 2)
+    r0 = np.clip(row.astype(np.int64), 0, rows - 2)
+    fc, fr = column - c0, row - r0
+    corners = [c0 * rows + r0, c0 * rows + r0 + 1, (c0 + 1) * rows + r0, (c0 + 1) * rows + r0 + 1]
+    weights = [(1 - fc) * (1 - fr), (1 - fc) * fr, fc * (1 - fr), fc * fr]
+    place = np.tile(np.arange(len(column)), 4)
+    values = np.concatenate(weights).astype(np.float32)
+    return sparse.csr_matrix(
+        (values, (place, np.concatenate(corners))), shape=(len(column), COLUMNS * rows)
+    )
+
+
+def _along(points: Singles) -> Singles:
+    """Differences along the ribbon, one-sided at its ends."""
+    step = np.empty_like(points)
+    step[:, 1:-1] = points[:, 2:] - points[:, :-2]
+    step[:, 0] = points[:, 1] - points[:, 0]
+    step[:, -1] = points[:, -1] - points[:, -2]
+    return step
+
+
+def _cross(a: Singles, b: Singles) -> Singles:
+    result = np.empty_like(a)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        result[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
+    return result
+
+
+def _unit(vectors: Singles) -> Singles:
+    length = np.sqrt(np.einsum("...c,...c->...", vectors, vectors))
+    scaled: Singles = vectors / np.maximum(length, 1e-6)[..., None]
+    return scaled

@@ -27,6 +27,7 @@ AT_HAIRLINE_MM = 300.0
 
 ANCESTRIES = ("african", "asian", "caucasian")
 
+# Ranges shared by short hair. ``side_mm`` and ``back_mm`` up to 1 are shares of ``top_mm``.
 _SHORT: dict[str, Range] = {
     "parting_deg": (0.0, 0.0),
     "parting_length": (0.0, 0.0),
@@ -48,7 +49,8 @@ _SHORT: dict[str, Range] = {
     "wave_period_mm": (30.0, 50.0),
     "clump_mm": (1.0, 2.2),
     "clump_scale_mm": (7.0, 14.0),
-    "ragged_mm": (5.0, 9.0),
+    "ragged_mm": (4.0, 8.0),
+    "roundness": (0.0, 0.0),
     "curl_mm": (0.0, 1.0),
     "flyaway_mm": (1.0, 2.5),
     "sway_mm": (0.0, 1.5),
@@ -77,7 +79,7 @@ _LONG: dict[str, Range] = _SHORT | {
     "hang": (0.85, 1.0),
     "clump_mm": (1.5, 3.0),
     "clump_scale_mm": (9.0, 18.0),
-    "ragged_mm": (10.0, 25.0),
+    "ragged_mm": (7.0, 20.0),
     "sway_mm": (2.0, 6.0),
     "flare_mm": (-6.0, 6.0),
     "layer_mm": (0.0, 45.0),
@@ -100,7 +102,8 @@ _RANGES: dict[str, dict[str, Range]] = {
         "wave_mm": (0.0, 0.0),
         "density": (0.65, 0.95),
     },
-    "crop": _SHORT | {"fringe_mm": (-6.0, 12.0)},
+    "crop": _SHORT
+    | {"fringe_mm": (-6.0, 14.0), "fringe_tilt_mm": (-8.0, 8.0), "sweep_mm": (-14.0, 14.0)},
     "side_parting": _SHORT
     | {
         "parting_deg": (16.0, 30.0),
@@ -151,8 +154,9 @@ _RANGES: dict[str, dict[str, Range]] = {
     "curly": _SHORT
     | {
         "top_mm": (14.0, 28.0),
-        "side_mm": (6.0, 16.0),
-        "back_mm": (7.0, 16.0),
+        "side_mm": (0.4, 0.8),
+        "back_mm": (0.4, 0.8),
+        "roundness": (0.0, 0.7),
         "clump_mm": (3.0, 5.5),
         "clump_scale_mm": (7.0, 11.0),
         "curl_mm": (3.0, 5.0),
@@ -162,14 +166,17 @@ _RANGES: dict[str, dict[str, Range]] = {
     },
     "afro": _SHORT
     | {
-        "top_mm": (26.0, 62.0),
-        "side_mm": (20.0, 56.0),
-        "back_mm": (20.0, 50.0),
-        "clump_mm": (2.5, 4.5),
-        "clump_scale_mm": (6.0, 10.0),
-        "curl_mm": (2.5, 4.0),
-        "flyaway_mm": (5.0, 8.0),
-        "taper_mm": (20.0, 34.0),
+        "top_mm": (22.0, 58.0),
+        "side_mm": (0.55, 0.95),
+        "back_mm": (0.5, 0.9),
+        "roundness": (0.7, 1.0),
+        "trim_side_deg": (-4.0, 2.0),
+        "crown_z_deg": (-16.0, -4.0),
+        "clump_mm": (1.6, 3.2),
+        "clump_scale_mm": (7.0, 11.0),
+        "curl_mm": (3.0, 4.5),
+        "flyaway_mm": (4.0, 8.0),
+        "taper_mm": (26.0, 44.0),
         "ragged_mm": (3.0, 6.0),
     },
     "pixie": _SHORT
@@ -180,6 +187,8 @@ _RANGES: dict[str, dict[str, Range]] = {
         "top_mm": (12.0, 20.0),
         "side_mm": (7.0, 12.0),
         "fringe_mm": (8.0, 34.0),
+        "fringe_tilt_mm": (-22.0, 22.0),
+        "sweep_mm": (-24.0, 24.0),
         "ragged_mm": (8.0, 14.0),
     },
     "curtain": _LONG
@@ -199,6 +208,7 @@ _RANGES: dict[str, dict[str, Range]] = {
         "tip_mm": (6.0, 12.0),
         "flare_mm": (-14.0, 10.0),
         "layer_mm": (-15.0, 20.0),
+        "ragged_mm": (4.0, 12.0),
     },
     "long_straight": _LONG
     | {
@@ -226,7 +236,10 @@ _RANGES: dict[str, dict[str, Range]] = {
         "front_left_deg": (0.0, 0.0),
         "front_right_deg": (0.0, 0.0),
         "parting_dip": (0.0, 0.0),
-        "fringe_mm": (28.0, 48.0),
+        "fringe_mm": (26.0, 46.0),
+        "fringe_tilt_mm": (-16.0, 16.0),
+        "sweep_mm": (-16.0, 16.0),
+        "sway_mm": (0.5, 3.0),
         "low_side_mm": (-220.0, -70.0),
         "low_back_mm": (-220.0, -80.0),
     },
@@ -246,7 +259,6 @@ _RANGES: dict[str, dict[str, Range]] = {
         "taper_mm": (12.0, 22.0),
         "clump_mm": (0.6, 1.4),
         "ragged_mm": (4.0, 7.0),
-        "tail_mm": (0.0, 180.0),
         "trim_side_deg": (0.0, 0.0),
         "trim_back_deg": (0.0, 0.0),
     },
@@ -264,7 +276,8 @@ _ALL: dict[str, Range] = {
     "fringe_mm": (0.0, 0.0),
     "low_side_mm": (AT_HAIRLINE_MM, AT_HAIRLINE_MM),
     "low_back_mm": (AT_HAIRLINE_MM, AT_HAIRLINE_MM),
-    "tail_mm": (0.0, 0.0),
+    "fringe_tilt_mm": (0.0, 0.0),
+    "sweep_mm": (0.0, 0.0),
 }
 
 # Weights of the styles: (men, women). Ancestry and age change them in _style_weights.
@@ -356,6 +369,9 @@ def style_parameters(style: str, rng: np.random.Generator) -> dict[str, Any]:
         values["parting_deg"] = -values["parting_deg"]
         left, right = values["front_left_deg"], values["front_right_deg"]
         values["front_left_deg"], values["front_right_deg"] = right, left
+    for key in ("side_mm", "back_mm"):
+        if values[key] <= 1.0:
+            values[key] *= values["top_mm"]
     values["lower_mm"] = _lower_edge(values, rng)
     return values
 

@@ -39,19 +39,31 @@ def hair_texture(parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.flo
     strand = rng.normal(size=columns)
     clump = _unit(gaussian_filter1d(rng.normal(size=columns), 6.0, mode="wrap"))
     broad = _unit(gaussian_filter1d(rng.normal(size=columns), 28.0, mode="wrap"))
-    drift = gaussian_filter1d(rng.normal(size=(rows, columns)), 14.0, axis=0, mode="reflect")
-    drift = _unit(gaussian_filter1d(drift, 0.7, axis=1, mode="wrap"))
-    down = np.linspace(0.0, 1.0, rows)[:, None]
-    log_shade = 0.20 * strand + 0.22 * clump + 0.10 * broad + 0.16 * drift
-    log_shade = log_shade + 0.30 * (down - 0.55) - 0.35 * np.exp(-down / 0.05)
+    curly = float(np.clip(parameters["curl_mm"] / 3.0, 0.0, 1.0))
+    drift = (0.16 + 0.25 * curly) * _drift(rng, 8 + round(24 * curly))
+    down = np.linspace(0.0, 1.0, rows)
+    across = (1.0 - 0.7 * curly) * (0.20 * strand + 0.22 * clump) + 0.10 * broad
+    depth = 0.30 * (down - 0.55) - 0.35 * np.exp(-down / 0.05)
+    shade = np.exp(drift + (across[None, :] + depth[:, None]).astype(np.float32))
     share = float(parameters["grey"])
     uneven = 0.9 * rng.normal(size=columns) + 0.5 * np.roll(clump, 37) + 0.4 * np.roll(broad, 90)
     grey = np.clip(share + 0.9 * share * (1.0 - share) * uneven, 0.0, 1.0)
     pigment = np.asarray(parameters["hair_colour"], dtype=np.float64)
-    white = np.asarray(GREY_STRAND)
-    base = pigment + grey[:, None] * (white - pigment)
-    texture = base[None] * np.exp(log_shade)[..., None]
-    return np.clip(texture, 0.0, 0.9).astype(np.float32)
+    base = pigment + grey[:, None] * (np.asarray(GREY_STRAND) - pigment)
+    texture = shade[..., None] * base[None].astype(np.float32)
+    return np.clip(texture, 0.0, 0.9)
+
+
+def _drift(rng: np.random.Generator, knots: int) -> NDArray[np.float32]:
+    """Noise of unit deviation that changes from strand to strand and, slowly, along each."""
+    rows, columns = TEXTURE_SHAPE
+    place = np.linspace(0.0, knots - 1.001, rows)
+    first = place.astype(np.intp)
+    weights = np.zeros((rows, knots), dtype=np.float32)
+    weights[np.arange(rows), first] = 1.0 - (place - first)
+    weights[np.arange(rows), first + 1] = place - first
+    values = gaussian_filter1d(rng.normal(size=(knots, columns)), 0.8, axis=1, mode="wrap")
+    return weights @ (values / values.std()).astype(np.float32)
 
 
 def _unit(values: NDArray[np.float64]) -> NDArray[np.float64]:
