@@ -53,7 +53,10 @@ def read_checkpoint(path: Path) -> dict[str, Any]:
 
 
 class WholeFileIO(TorchCheckpointIO):
-    """Writes checkpoints beside and renames them, where Lightning's own copies from /tmp."""
+    """Writes checkpoints beside and renames them, where Lightning's own copies from /tmp.
+
+    Reads numbers and strings only, whichever release of Lightning asks.
+    """
 
     def save_checkpoint(
         self, checkpoint: dict[str, Any], path: str | Path, storage_options: Any | None = None
@@ -65,3 +68,13 @@ class WholeFileIO(TorchCheckpointIO):
         """
         with replacing(Path(path)) as temporary:
             torch.save(checkpoint, temporary)
+
+    def load_checkpoint(
+        self, path: str | Path, map_location: Any = None, weights_only: bool | None = True
+    ) -> dict[str, Any]:
+        """Read a checkpoint onto the CPU; Lightning moves it where it belongs.
+
+        Raises:
+            InputError: The file is missing, broken, or holds more than numbers and strings.
+        """
+        return read_checkpoint(Path(path))

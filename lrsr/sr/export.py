@@ -5,6 +5,7 @@ output ``restored``, the same size, not clipped. The replicate padding is part o
 file's own properties say for which scale, kernel and kind of small image it was trained.
 """
 
+import logging
 import math
 import warnings
 from pathlib import Path
@@ -56,6 +57,8 @@ def _keeping_size(network: SRCNN) -> SRCNN:
 
 def _as_onnx(network: SRCNN, recipe: Recipe) -> bytes:
     batch, height, width = (torch.export.Dim(name) for name in ("N", "H", "W"))
+    for name in ("onnx_ir", "onnxscript"):
+        logging.getLogger(name).setLevel(logging.WARNING)  # they report each pass
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the exporter warns of its own inner changes
         program = torch.onnx.export(

@@ -151,7 +151,7 @@ def _fit(
         for noise in _NOISE:
             warnings.filterwarnings("ignore", message=noise)
         try:
-            trainer.fit(module, datamodule=data, ckpt_path=last, weights_only=True)
+            trainer.fit(module, datamodule=data, ckpt_path=last)
         except SystemExit as stop:
             signal.signal(signal.SIGINT, handler)
             raise KeyboardInterrupt from stop
@@ -165,6 +165,8 @@ def _metrics(module: SRCNNModule, trainer: Trainer) -> dict[str, Any]:
         "best": best,
         "epochs": len(module.history),
         "steps": trainer.global_step,
+        "steps_per_epoch": trainer.num_training_batches,
+        "validation_images": sum(trainer.num_val_batches),
         "precision": str(trainer.precision),
         "hyper_parameters": dict(module.hparams),
         "history": module.history,

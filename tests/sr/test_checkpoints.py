@@ -13,8 +13,8 @@ class Unpickled:
 
 def test_checkpoint_comes_back(tmp_path: Path) -> None:
     WholeFileIO().save_checkpoint({"state_dict": {"a": torch.ones(2)}, "epoch": 3}, tmp_path / "c")
-    checkpoint = read_checkpoint(tmp_path / "c")
-    assert checkpoint["epoch"] == 3
+    assert read_checkpoint(tmp_path / "c")["epoch"] == 3
+    assert WholeFileIO().load_checkpoint(tmp_path / "c")["epoch"] == 3
     assert [path.name for path in tmp_path.iterdir()] == ["c"]
 
 
@@ -35,8 +35,9 @@ def test_failed_write_leaves_the_old_checkpoint(
 
 def test_checkpoint_with_an_object_is_refused(tmp_path: Path) -> None:
     torch.save({"state_dict": {}, "extra": Unpickled()}, tmp_path / "c.ckpt")
-    with pytest.raises(InputError, match=r"c.ckpt is no checkpoint of lrsr train"):
-        read_checkpoint(tmp_path / "c.ckpt")
+    for read in (read_checkpoint, WholeFileIO().load_checkpoint):
+        with pytest.raises(InputError, match=r"c.ckpt is no checkpoint of lrsr train"):
+            read(tmp_path / "c.ckpt")
 
 
 @pytest.mark.parametrize("content", [b"", b"half a file"], ids=["empty", "broken"])

@@ -17,7 +17,7 @@ from lightning.pytorch import LightningDataModule, Trainer
 from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.errors import InputError, NonFiniteError
-from lrsr.sr import Upscaler
+from lrsr.sr import Upscaler, training
 from lrsr.sr.module import Pair, SRCNNModule
 from lrsr.sr.training import EPOCHS, train
 from lrsr.sr.weights import read_weights
@@ -28,6 +28,15 @@ quiet = partial(Trainer, accelerator="cpu", devices=1, log_every_n_steps=1)
 def run(pairs: LightningDataModule, folder: Path, *, epochs: int = 1, **settings: Any) -> Any:
     module = SRCNNModule(scale=2, **settings)
     return module, train(pairs, module, folder=folder, trainer=partial(quiet, max_epochs=epochs))
+
+
+@pytest.fixture
+def _no_export(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spare seconds where the ONNX file is not the question."""
+    monkeypatch.setattr(training, "export_onnx", lambda *_: 0.0)
+
+
+without_export = pytest.mark.usefixtures("_no_export")
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +81,8 @@ def test_metrics_say_what_made_them(finished: tuple[SRCNNModule, Path]) -> None:
     assert metrics["hyper_parameters"] == dict(module.hparams)
     assert metrics["history"] == module.history
     assert metrics["seed"] == 0
+    assert metrics["validation_images"] == 2
+    assert metrics["steps"] == 2 * metrics["steps_per_epoch"]
 
 
 def test_csv_log_has_a_line_for_each_epoch(finished: tuple[SRCNNModule, Path]) -> None:
@@ -118,6 +129,7 @@ def test_upscaler_takes_the_checkpoint_of_a_run(finished: tuple[SRCNNModule, Pat
     assert Upscaler("srcnn2", folder / "best.ckpt")(torch.zeros(1, 3, 4, 5)).shape == (1, 3, 8, 10)
 
 
+@without_export
 def test_resumed_run_ends_where_the_uninterrupted_one_does(
     pairs: LightningDataModule, tmp_path: Path
 ) -> None:
@@ -142,6 +154,7 @@ def test_resumed_run_ends_where_the_uninterrupted_one_does(
         torch.testing.assert_close(resumed.network.state_dict()[name], value, rtol=0, atol=0)
 
 
+@without_export
 def test_resume_false_begins_again(pairs: LightningDataModule, tmp_path: Path) -> None:
     begun, _ = run(pairs, tmp_path / "run", epochs=1)
     module = SRCNNModule(scale=2)
@@ -150,6 +163,7 @@ def test_resume_false_begins_again(pairs: LightningDataModule, tmp_path: Path) -
     assert module.history == begun.history
 
 
+@without_export
 def test_last_checkpoint_is_written_after_a_worse_epoch_too(
     pairs: LightningDataModule, tmp_path: Path
 ) -> None:
@@ -164,6 +178,7 @@ def test_last_checkpoint_is_written_after_a_worse_epoch_too(
     assert torch.load(folder / "best.ckpt", weights_only=True)["epoch"] == 0
 
 
+@without_export
 def test_other_settings_in_the_same_folder_are_refused(
     pairs: LightningDataModule, tmp_path: Path
 ) -> None:
@@ -238,6 +253,7 @@ LONG_RUN = """
 """
 
 
+@without_export
 def test_run_killed_at_any_moment_goes_on_where_it_stood(
     pairs: LightningDataModule, tmp_path: Path
 ) -> None:
