@@ -1,6 +1,6 @@
 """From a head to the light on the film, by Mitsuba 3.
 
-Nothing heavy is imported until the first of these names is used, and Mitsuba not before a picture is.
+Nothing heavy is imported until one of these names is used, and Mitsuba not before it renders.
 """
 
 from importlib import import_module

@@ -1,12 +1,11 @@
 """Which Mitsuba variant renders here, and why?
 
-``cuda_ad_rgb`` where a GPU renders, else ``llvm_ad_rgb`` with an LLVM that works, else ``scalar_rgb``.
-An old LLVM (14, 15) makes Dr.Jit abort the whole process, so every candidate renders a triangle in
+``cuda_ad_rgb`` where a GPU renders, else ``llvm_ad_rgb`` with an LLVM that works, else
+``scalar_rgb``. An old LLVM (14, 15) makes Dr.Jit abort the whole process, so every candidate renders a triangle in
 a child process first; the verdict is kept on disk, so that this costs seconds once per machine.
 """
 
 import ctypes
-import ctypes.util
 import hashlib
 import json
 import logging
@@ -32,10 +31,17 @@ VARIANTS = ("cuda_ad_rgb", "llvm_ad_rgb", "scalar_rgb")
 PROBE_SECONDS = 120
 """A candidate that has not rendered a triangle by then counts as broken."""
 
+TIMED_OUT = f"no answer in {PROBE_SECONDS} s"
+
 _SYSTEM_FOLDERS = ("/usr/lib", "/usr/lib64", "/usr/local/lib", "/opt/homebrew/opt/llvm/lib")
 
 _PROBE = """
 import sys
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # an abort is an answer, not a crash to keep
+except (ImportError, ValueError):
+    pass
 import mitsuba as mi
 mi.set_variant(sys.argv[1])
 scene = mi.load_dict({"type": "scene", "light": {"type": "constant"}, "ball": {"type": "sphere"},
@@ -66,13 +72,13 @@ class Backend:
 
 
 def choose_variant(candidates: Sequence[Path] | None = None) -> Backend:
-    """Choose the fastest variant that works on this machine; ``$LRSR_VARIANT`` overrides the choice.
+    """Choose the fastest variant that works on this machine; ``$LRSR_VARIANT`` overrides it.
 
     Args:
         candidates: LLVM libraries to try, in that order; None: :func:`find_llvm`.
 
     Raises:
-        InputError: ``$LRSR_VARIANT`` names no variant of :data:`VARIANTS`, or one that cannot run here.
+        InputError: ``$LRSR_VARIANT`` names none of :data:`VARIANTS`, or one that cannot run here.
     """
     wanted = os.environ.get("LRSR_VARIANT")
     if wanted and wanted not in VARIANTS:
@@ -177,6 +183,8 @@ def _probe(variant: str, library: Path | None, stamp: str) -> str:
     except (OSError, ValueError, KeyError, TypeError):
         pass
     fault = _run_probe(variant, library)
+    if fault == TIMED_OUT:
+        return fault  # a busy machine says nothing about the library
     try:
         write_json(record, {"variant": variant, "stamp": stamp, "fault": fault})
     except InputError as error:
@@ -198,7 +206,7 @@ def _run_probe(variant: str, library: Path | None) -> str:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return f"no answer in {PROBE_SECONDS} s"
+        return TIMED_OUT
     if child.returncode == 0:
         return ""
     words = (child.stderr or child.stdout).strip().splitlines()

@@ -1,15 +1,16 @@
 """How do rays become pixels? A Gaussian film that gives the same bytes every time.
 
-Every ray is drawn from its pixel's reconstruction filter (filter importance sampling: Ernst, Stamminger
-and Greiner 2006), so that all its weight belongs to that pixel and a pixel is a plain mean. Splatting, as Mitsuba's
-films do, adds up in the order in which threads finish, and its last bits change from run to run.
+Every ray is drawn from its pixel's reconstruction filter (filter importance sampling: Ernst,
+Stamminger and Greiner 2006), so that all its weight belongs to that pixel and a pixel is a plain
+mean. Splatting, as Mitsuba's films do, adds up in the order in which threads finish, and its last
+bits change from run to run.
 
-Samples are stratified in every dimension (correlated multi-jittered: Kensler 2013). On a face that takes
-six times fewer rays than independent samples need for the same noise.
+Samples are stratified in every dimension (correlated multi-jittered: Kensler 2013). On a face that
+takes six times fewer rays than independent samples need for the same noise.
 
-The filter is a Gaussian with a standard deviation of half a pixel **of the film itself**, cut at two
-pixels. A film twice as fine has a filter twice as narrow: it is another camera's picture of the same
-scene, and its 2 × 2 means are slightly sharper than the ×1 film.
+The filter is a Gaussian with a standard deviation of half a pixel **of the film itself**, cut at
+two pixels. A film twice as fine has a filter twice as narrow: it is another camera's picture of the
+same scene, and its 2 × 2 means are slightly sharper than the ×1 film.
 """
 
 import math

@@ -190,7 +190,7 @@ def place_camera(
         pupils_mm: ``(2, 3)``, head frame, mm.
         ipd_px: Wanted distance of the pupils on the film, px.
         offset_mm: Shift of camera and frame (right, up), mm: to follow a turned head.
-        camera_m: Distance of the camera from the head frame's origin, m; None: the reference camera's.
+        camera_m: Distance of the camera from the pupils, m; None: the reference camera's.
 
     Raises:
         ValueError: The IPD or the distance is not positive.

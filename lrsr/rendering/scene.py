@@ -19,13 +19,17 @@ PIVOT_MM = np.array([0.0, -60.0, -90.0])
 """About which point a head turns: the joint of skull and neck, head frame, mm (estimated)."""
 
 FOLLOW = 0.5
-"""What share of the pupils' displacement by a pose the frame follows; keeps crown and chin inside."""
+"""What share of the pupils' way in a turn the frame follows, so that crown and chin stay inside."""
 
 MAP_HEIGHT_PX = 64
 """Rows of the environment map, one per 2.9°; twice as many columns."""
 
 GREY = 0.18
 """Reflectance of the meter's sphere."""
+
+
+def _is_colour(rgb: tuple[float, ...]) -> bool:
+    return len(rgb) == 3 and min(rgb) >= 0 and 0 < max(rgb) < math.inf
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,16 @@ class Pose:
     yaw_deg: float = 0.0
     pitch_deg: float = 0.0
     roll_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse angles that are no numbers.
+
+        Raises:
+            InputError: An angle is NaN or infinite.
+        """
+        angles = (self.yaw_deg, self.pitch_deg, self.roll_deg)
+        if not all(math.isfinite(angle) for angle in angles):
+            raise InputError(f"pose {self.name!r}: angles {angles}; give finite numbers")
 
     def rotation(self) -> NDArray[np.float64]:
         """Return the ``(3, 3)`` matrix that turns head-frame directions into the world frame.
@@ -86,6 +100,19 @@ class Light:
     irradiance: float = math.pi
     rgb: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            InputError: A light without power, of no colour, or larger than half the sky.
+        """
+        object.__setattr__(self, "rgb", tuple(self.rgb))  # Hydra hands over lists
+        if not (self.irradiance > 0 and 0 < self.diameter_deg <= 180 and _is_colour(self.rgb)):
+            raise InputError(
+                f"light: irradiance {self.irradiance}, diameter {self.diameter_deg}°,"
+                f" rgb {self.rgb}; give irradiance > 0, a diameter of 0..180 and three numbers >= 0"
+            )
+
     def direction(self) -> NDArray[np.float64]:
         """Return the unit vector ``(3,)`` from the face to the light, world frame."""
         azimuth, elevation = math.radians(self.azimuth_deg), math.radians(self.elevation_deg)
@@ -116,24 +143,22 @@ class Lighting:
     fill_rgb: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
-        """Refuse numbers that light nothing.
+        """Check the numbers.
 
         Raises:
-            InputError: A share outside 0..1, no light at all, or a light without size or power.
+            InputError: A share outside 0..1, no light at all, or a fill of no colour.
         """
-        # Hydra hands over lists.
-        object.__setattr__(self, "lights", tuple(self.lights))
+        object.__setattr__(self, "lights", tuple(self.lights))  # Hydra hands over lists
+        object.__setattr__(self, "fill_rgb", tuple(self.fill_rgb))
         if not 0 <= self.fill_share <= 1 or (self.fill_share == 1) == bool(self.lights):
             raise InputError(
-                f"lighting {self.name!r}: fill_share={self.fill_share} with {len(self.lights)} lights;"
-                " give 0 <= fill_share < 1 with lights, or 1 without"
+                f"lighting {self.name!r}: fill_share={self.fill_share} with {len(self.lights)}"
+                " lights; give 0 <= fill_share < 1 with lights, or 1 without"
             )
-        for light in self.lights:
-            if not (light.irradiance > 0 and 0 < light.diameter_deg <= 180):
-                raise InputError(
-                    f"lighting {self.name!r}: irradiance {light.irradiance}, diameter"
-                    f" {light.diameter_deg}°; give > 0 and 0..180"
-                )
+        if not _is_colour(self.fill_rgb):
+            raise InputError(
+                f"lighting {self.name!r}: fill_rgb={self.fill_rgb}; give three numbers >= 0"
+            )
 
 
 POSES = {
@@ -185,7 +210,8 @@ def find_lighting(name: str | Lighting, **changes: Any) -> Lighting:
     if isinstance(name, Lighting):
         return replace(name, **changes)
     if name not in LIGHTINGS:
-        raise InputError(f"lighting {name!r} does not exist; choose one of {', '.join(LIGHTINGS)}")
+        known = ", ".join(LIGHTINGS)
+        raise InputError(f"lighting {name!r} does not exist; choose one of {known}")
     return replace(LIGHTINGS[name], **changes)
 
 
@@ -212,13 +238,13 @@ def environment(lighting: Lighting) -> tuple[NDArray[np.float32], float]:
     """Paint a lighting as a latitude-longitude map, and meter it.
 
     Row 0 is the zenith (+y) and the last row the nadir; column x looks at the longitude
-    φ = 2π (x + 0.5) / W, with the direction (sin φ sin θ, cos θ, -cos φ sin θ): the camera (+z) is in
-    the middle. This is Mitsuba's ``envmap``.
+    φ = 2π (x + 0.5) / W, with the direction (sin φ sin θ, cos θ, -cos φ sin θ): the camera (+z) is
+    in the middle. This is Mitsuba's ``envmap``.
 
     Returns:
         map: ``(H, 2H, 3)`` float32, radiance, linear sRGB.
-        metered: Luminance of an 18 % grey Lambertian sphere's disc as the camera sees it, divided by
-            0.18 (:attr:`Radiance.metered`); summed over the very map, so it is exact for any light.
+        metered: Luminance of an 18 % grey Lambertian sphere's disc as the camera sees it, divided
+            by 0.18 (:attr:`Radiance.metered`); summed over the very map, so exact for any light.
     """
     directions, solid_angles = _map_grid()
     radiance = np.zeros((*solid_angles.shape, 3))
