@@ -15,7 +15,7 @@ vertices            (N, 3)       MakeHuman's base mesh: skin, 2 x 72 eye vertice
 neutral             (K,)         coefficients of the average adult, the *template*
 quads, uv_quads     (F, 4)       corners of the skin, as vertex and as uv indices
 uv                  (U, 2)       texture layout, 0..65535, v downwards
-region              (F,)         :data:`lrsr.identities.build_basis.REGIONS`
+region              (F,)         :data:`lrsr.identities.topology.REGIONS`
 lash_quads          (L, 4)       strips of the lashes
 landmark_vertices   (3,)         nose tip, mouth corners (left, right in the image)
 n_skin              ()           how many of the vertices are skin
@@ -67,7 +67,7 @@ class Surface:
         matrix: Sparse ``(V, Vs)``: render vertices from base vertices; rows sum to 1.
         faces: ``(F, 3)`` int32.
         uv: ``(V, 2)`` float32, v = 0 is the top.
-        region: ``(F,)`` uint8, index into ``build_basis.REGIONS`` of every triangle.
+        region: ``(F,)`` uint8, index into ``topology.REGIONS`` of every triangle.
         landmarks: ``(3,)`` render vertices of nose tip and mouth corners.
         twin: ``(V,)``: for each render vertex the first one at the same place.
     """

@@ -124,7 +124,7 @@ def rotation_to(direction: ArrayLike) -> Points:
     """
     x, y, z = np.asarray(direction, dtype=np.float64)
     cross = np.array([[0.0, 0.0, x], [0.0, 0.0, y], [-x, -y, 0.0]])
-    return np.eye(3) + cross + cross @ cross / (1.0 + z)
+    return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 + z))
 
 
 def eyeball_vertices(eyes: Eyes, which: int) -> NDArray[np.float32]:
@@ -138,7 +138,7 @@ def eyeball_vertices(eyes: Eyes, which: int) -> NDArray[np.float32]:
         ``(V, 3)`` float32, mm, in the order of :func:`unit_ball`.
     """
     turned = unit_ball().vertices @ rotation_to(eyes.gazes[which]).T
-    return (eyes.centres[which] + eyes.radii[which] * turned).astype(np.float32)
+    return np.asarray(eyes.centres[which] + eyes.radii[which] * turned, dtype=np.float32)
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,7 @@ class LashMesh(NamedTuple):
     def place(self, strips: Points) -> NDArray[np.float32]:
         """Return the lashes of one head: ``(3 n, 3)`` float32."""
         corners = strips[self.indices]
-        return np.einsum("nk,nkc->nc", self.weights, corners).astype(np.float32)
+        return np.asarray(np.einsum("nk,nkc->nc", self.weights, corners), dtype=np.float32)
 
 
 def make_lashes(basis: Basis, template: BaseHead, eyes: Eyes) -> LashMesh:

@@ -32,14 +32,14 @@ from lrsr.identities.hair import build_hair, mean_colour, sample_hair, scalp_mas
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
 from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
-from lrsr.identities.relief import displace
 from lrsr.identities.proportions import load_gauge
+from lrsr.identities.relief import displace
 from lrsr.identities.shape import RACES, coefficients, sample_anatomy
 
-RECIPE_VERSION = "1"
+RECIPE_VERSION = "2"
 """Changes whenever the same seed would give other pixels."""
 
-STREAMS = ("person", "anatomy", "appearance", "skin", "hair", "eyes")
+STREAMS = ("person", "anatomy", "appearance", "hair", "eyes")
 """One independent source of chance for each; append, never reorder."""
 
 EYE_TEXTURE = 256
@@ -111,7 +111,7 @@ class Template:
     """The average adult: features are drawn on it, whoever will wear them.
 
     Its axes are those of the head frame, its origin lies where the middle between its pupils would
-    be if it looked straight ahead: these are the *template's millimetres* of brows, beards and hair.
+    be if it looked straight ahead: the *template's millimetres* of brows, beards and hair.
 
     Attributes:
         skin: ``(V, 3)`` render vertices, mm.
@@ -151,7 +151,8 @@ def template() -> Template:
     basis = load_basis()
     head = basis.shape(basis.neutral)
     eyes = find_eyes(basis, head)
-    origin = eyes.centres.mean(axis=0) + [0.0, 0.0, eyes.radii.mean()]
+    origin = eyes.centres.mean(axis=0)
+    origin[2] += eyes.radii.mean()
     head, eyes = BaseHead(*(part - origin for part in head)), eyes.moved(np.eye(3), origin)
     skin = basis.surface.matrix @ head.skin
     return Template(skin, eyes, find_lids(skin, eyes), make_lashes(basis, head, eyes))
@@ -171,7 +172,10 @@ def position_map(texture_size: int) -> PositionMap:
         raise ValueError(f"texture_size must be >= 64, got {texture_size}")
     surface = load_basis().surface
     drawn, mask = draw_triangles(surface.uv, surface.faces, template().skin, texture_size)
-    return PositionMap(fill_outside(drawn, mask).astype(np.float32), mask)
+    points = fill_outside(drawn, mask).astype(np.float32)
+    for shared in (points, mask):
+        shared.setflags(write=False)
+    return PositionMap(points, mask)
 
 
 @lru_cache(maxsize=2)
@@ -214,8 +218,9 @@ def sample_head(seed: int, *, texture_size: int = 512) -> Head:
         texture_size: Rows and columns of the skin's texture, >= 64.
 
     Returns:
-        The head: parts "skin", "left_eye", "right_eye" (as seen in the image), "lashes", "hair". The
-        same arguments give the same bytes; faces, uv and texture sizes are the same for all seeds.
+        The head: parts "skin", "left_eye", "right_eye" (as seen in the image), "lashes", "hair".
+        The same arguments give the same bytes; faces, uv and texture sizes are the same for all
+        seeds.
 
     Raises:
         ValueError: The seed is negative or the texture smaller than 64.

@@ -70,4 +70,5 @@ def draw_triangles(
 def fill_outside(values: NDArray[np.float64], mask: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Give every texel beyond the mask the value of the nearest texel within: ``(H, W, C)``."""
     nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
-    return values[tuple(nearest)]
+    filled: NDArray[np.float64] = values[tuple(nearest)]
+    return filled

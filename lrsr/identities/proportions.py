@@ -1,8 +1,8 @@
 """Which proportions do faces have? Measured distances keep drawn shapes within human variation.
 
-Sliders drawn one by one add up: ten of them lengthen the chin. Every measure here is a difference of
-coordinates of two vertices, hence linear in the coefficients of the shape space, so what a set of
-sliders does to all measures is one small matrix product, and the smallest change of the sliders
+Sliders drawn one by one add up: ten of them lengthen the chin. Every measure here is a difference
+of coordinates of two vertices, hence linear in the coefficients of the shape space, so what a set
+of sliders does to all measures is one small matrix product, and the smallest change of the sliders
 that brings the measures back is a least-squares step. What no measure sees stays as drawn.
 
 Standard deviations within one sex and ancestry follow Farkas, "Anthropometry of the Head and Face"

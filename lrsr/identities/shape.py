@@ -1,4 +1,4 @@
-"""Which anatomy does a person have? Coefficients of the shape space, drawn to differ and be plausible.
+"""Which anatomy does a person have? Coefficients of the shape space, varied but plausible.
 
 Single targets are drawn from a normal distribution, but their joint extremes are cut: within one
 region (nose, mouth, ...) the vector of draws is shortened to the length that a typical vector has,
