@@ -386,5 +386,9 @@ def _texel_size(position: FloatMap, mask: NDArray[np.bool_]) -> float:
 
 
 def _cover(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
-    """Paint a colour over the albedo in place."""
-    albedo += (np.asarray(colour, dtype=np.float32) - albedo) * opacity[..., None]
+    """Paint a colour over the albedo in place, within the box that the opacity touches."""
+    rows, columns = (np.flatnonzero(opacity.any(axis=axis)) for axis in (1, 0))
+    if rows.size:
+        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        part = albedo[box]
+        part += (np.asarray(colour, dtype=np.float32) - part) * opacity[box][..., None]

@@ -23,6 +23,7 @@ _CENTRE = np.array([0.0, -35.0, -75.0])
 _RADIUS_MM = 85.0
 _STRANDS = 5200
 _STRAND_POINTS = 4
+_GROUND_LEVEL = 185  # the blur between hairs is never so dark that they drown in it
 
 
 class Beard(TypedDict):
@@ -98,7 +99,7 @@ def beard_zones(position: NDArray[Any], lips: FloatMap) -> dict[str, FloatMap]:
     y, z = position[..., 1], position[..., 2]
     bare = (1 - lips) * smoothstep(-104.0, -92.0, z)
     # Over the lip: between nose and vermilion, drooping a little beyond the corners.
-    top = -52.5 - 0.016 * x**2
+    top = -50.5 - 0.010 * x**2
     moustache = smoothstep(1.5, -3.0, y - top) * smoothstep(-79.0, -74.0, y)
     moustache = moustache * smoothstep(33.0, 27.0, x) * smoothstep(-20.0, -10.0, z)
     narrowing = x + 0.22 * np.clip(-80.0 - y, 0.0, 45.0)
@@ -224,7 +225,8 @@ def draw_beard(beard: Beard, rng: Generator) -> NDArray[np.uint8]:
     JAW.draw_strands(sheet, beard_strands(beard, rng), (150, 190, 225, 250))
     ground = cv2.GaussianBlur(sheet, (0, 0), 1.6 / JAW.pixel_mm)
     body = min(2.0, 0.75 + 0.35 * beard["length_mm"] * beard["density"])
-    return np.asarray(cv2.max(sheet, cv2.convertScaleAbs(ground, alpha=body)), dtype=np.uint8)
+    ground = cv2.min(cv2.convertScaleAbs(ground, alpha=body), _GROUND_LEVEL)
+    return np.asarray(cv2.max(sheet, ground), dtype=np.uint8)
 
 
 def _draw_stubble(beard: Beard, rng: Generator, sheet: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -259,7 +261,7 @@ def thin_out(beard: Beard, rng: Generator, shape: tuple[int, int]) -> FloatMap:
     Returns:
         ``shape`` float32, a factor, [0, 1].
     """
-    grid = rng.standard_normal((14, 26), dtype=np.float32)
+    grid = rng.standard_normal((20, 38), dtype=np.float32)
     noise = cv2.resize(grid, shape[::-1], interpolation=cv2.INTER_CUBIC)
-    thinner = np.float32(0.45 * beard["patchiness"]) * (noise + np.float32(0.3))
+    thinner = np.float32(0.35 * beard["patchiness"]) * (noise + np.float32(0.3))
     return np.asarray(np.clip(1 - thinner, 0, 1), dtype=np.float32)
