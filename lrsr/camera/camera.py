@@ -31,7 +31,7 @@ class Camera(nn.Module):
     Example:
         >>> white_sphere = torch.ones(1, 3, 8, 8)
         >>> Camera()(white_sphere, torch.ones(1)).mul(255).unique().tolist()
-        [231.0]
+        [243.0]
     """
 
     def __init__(

@@ -11,6 +11,7 @@ from fakes.maker import FakeMaker
 
 import lrsr.data.render as render_module
 from lrsr.camera import Camera
+from lrsr.camera.exposure import KEY
 from lrsr.data.cache import RenderCache
 from lrsr.data.manifest import read_manifest
 from lrsr.data.png import read_png
@@ -78,7 +79,7 @@ def test_the_sixteen_bit_file_holds_the_exposed_light(
     lights = load_radiances(settings.recipes(1), RenderCache(settings.cache), maker=maker)
     for row, light in zip(read_manifest(settings.out), lights, strict=True):
         linear = read_png(settings.out / row.linear_file)
-        assert torch.allclose(linear, (0.8 * light.image / light.metered).clamp(0, 1), atol=1e-5)
+        assert torch.allclose(linear, (KEY * light.image / light.metered).clamp(0, 1), atol=1e-5)
         encoded = (linear_to_srgb(linear) * 255).round() / 255
         assert float((encoded - read_png(settings.out / row.file)).abs().max()) <= 1.001 / 255
 
