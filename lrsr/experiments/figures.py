@@ -1,0 +1,149 @@
+"""What do the numbers look like? Curves, intervals and faces as PNG data for one HTML file."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.image import imsave
+from numpy.typing import ArrayLike
+
+from lrsr.errors import ImageContractError
+from lrsr.evaluation.roc import RocCurve, band
+
+DPI = 200
+COLOURS = ("#000000", "#56B4E9", "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC79A7", "#999999")
+"""Okabe and Ito's palette, told apart with any kind of colour vision."""
+DASHES = ("-", (0, (1, 1)), "-", (0, (4, 1)), (0, (4, 1, 1, 1)), "-", (0, (2, 1)), (0, (6, 2)))
+"""A second way to tell lines apart, for grey print."""
+
+_STYLE = {
+    "font.family": "sans-serif",
+    "font.size": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.titlesize": 8.5,
+    "axes.titlelocation": "left",
+    "grid.linewidth": 0.4,
+    "grid.color": "#dddddd",
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+}
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A line of the interval plot: a label, a value and the ends of its interval."""
+
+    label: str
+    value: float
+    low: float
+    high: float
+
+
+def draw_roc(curves: Mapping[str, RocCurve], level: float = 0.95) -> str:
+    """Draw ROC curves with their pointwise bands, on a plain and on a logarithmic FMR axis.
+
+    The corners are joined as they are; the logarithmic axis begins at one false match.
+
+    Args:
+        curves: By label, at least one; the first eight have colours of their own.
+        level: Of the bands, in (0, 1).
+
+    Returns:
+        A PNG as a data URI.
+    """
+    with rc_context(_STYLE):
+        figure = Figure(figsize=(7.2, 3.5), dpi=DPI, layout="constrained")
+        plain, logarithmic = figure.subplots(1, 2)
+        for number, (label, curve) in enumerate(curves.items()):
+            for axes in (plain, logarithmic):
+                _draw_curve(axes, curve, f"{label}  {curve.auc:.3f}", number, level)
+        for axes in (plain, logarithmic):
+            axes.set(xlabel="False-match rate (FMR)", ylabel="True-match rate", ylim=(0, 1.01))
+            axes.grid(visible=True)
+        plain.plot([0, 1], [0, 1], color="#999999", linewidth=0.6, linestyle=":", zorder=1)
+        plain.set(xlim=(-0.01, 1), title="All thresholds")
+        least = 1 / max(curve.n_impostor for curve in curves.values())
+        logarithmic.set(xscale="log", xlim=(least, 1), title="Few false matches (logarithmic FMR)")
+        plain.legend(title="Method, AUC", loc="lower right", handlelength=3)
+        return _encode(figure)
+
+
+def draw_intervals(intervals: Sequence[Interval], quantity: str) -> str:
+    """Draw values with their intervals, one under the other, the first on top.
+
+    Args:
+        intervals: At least one.
+        quantity: What the axis says.
+
+    Returns:
+        A PNG as a data URI.
+    """
+    with rc_context(_STYLE):
+        figure = Figure(figsize=(7.2, 0.55 + 0.24 * len(intervals)), dpi=DPI, layout="constrained")
+        axes = figure.subplots()
+        places = np.arange(len(intervals))[::-1]
+        for place, interval in zip(places, intervals, strict=True):
+            axes.plot([interval.low, interval.high], [place, place], color="#0072B2", linewidth=2.2)
+            axes.plot(interval.value, place, "o", color="black", markersize=4)
+        axes.set_yticks(places, [interval.label for interval in intervals])
+        axes.set(xlabel=quantity, ylim=(-0.6, len(intervals) - 0.4))
+        axes.tick_params(axis="y", length=0)
+        axes.grid(visible=True, axis="x")
+        axes.spines["left"].set_visible(False)
+        return _encode(figure)
+
+
+def encode_face(srgb: ArrayLike) -> str:
+    """Encode one image as it is, pixel for pixel.
+
+    Args:
+        srgb: ``(3, H, W)`` srgb, [0, 1]; what lies outside is clipped, for the picture only.
+
+    Returns:
+        A PNG as a data URI.
+
+    Raises:
+        ImageContractError: Not ``(3, H, W)``, or a NaN.
+    """
+    image = np.asarray(srgb, dtype=np.float64)
+    if image.ndim != 3 or image.shape[0] != 3 or image.size == 0:
+        raise ImageContractError(f"got shape {image.shape}, wanted (3, H, W)")
+    if np.isnan(image).any():
+        raise ImageContractError("the image holds a NaN; wanted srgb in [0, 1]")
+    levels = np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8)
+    buffer = io.BytesIO()
+    imsave(buffer, np.ascontiguousarray(levels.transpose(1, 2, 0)), format="png")
+    return _data_uri(buffer)
+
+
+def _draw_curve(axes: Axes, curve: RocCurve, label: str, number: int, level: float) -> None:
+    colour, dashes = COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
+    limits = band(curve, level)
+    # Low holds up to the next FMR, high down to the one before: draw both as steps.
+    fmr = np.repeat(limits.fmr, 2)[1:-1]
+    low, high = np.repeat(limits.low, 2)[:-2], np.repeat(limits.high, 2)[2:]
+    axes.fill_between(fmr, low, high, color=colour, alpha=0.10, linewidth=0, zorder=2)
+    line: dict[str, Any] = {"color": colour, "linestyle": dashes, "zorder": 3 + number}
+    axes.plot(curve.fmr, curve.tmr, label=label, **line)
+
+
+def _encode(figure: Figure) -> str:
+    buffer = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})
+    return _data_uri(buffer)
+
+
+def _data_uri(buffer: io.BytesIO) -> str:
+    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")

@@ -1,0 +1,85 @@
+"""Tests of lrsr/experiments/figures.py."""
+
+import base64
+import io
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from lrsr.errors import ImageContractError
+from lrsr.evaluation.roc import trace_roc
+from lrsr.experiments.figures import (
+    COLOURS,
+    DASHES,
+    Interval,
+    draw_intervals,
+    draw_roc,
+    encode_face,
+)
+
+
+def decode(uri: str) -> np.ndarray:
+    kind, content = uri.split(",")
+    assert kind == "data:image/png;base64"
+    return np.asarray(imread(io.BytesIO(base64.b64decode(content))))
+
+
+def curves(count: int) -> dict[str, object]:
+    rng = np.random.default_rng(0)
+    return {
+        f"method {k}": trace_roc(rng.normal(1 + k / 4, 1, 50), rng.normal(0, 1, 900))
+        for k in range(count)
+    }
+
+
+def test_a_face_keeps_every_pixel() -> None:
+    face = np.random.default_rng(0).integers(0, 256, size=(3, 5, 7)) / 255
+    assert decode(encode_face(face))[..., :3] == pytest.approx(face.transpose(1, 2, 0), abs=1e-6)
+
+
+def test_a_face_beyond_the_range_is_clipped_for_the_picture() -> None:
+    face = np.stack([np.full((1, 1), value) for value in (-0.5, 0.5, 1.5)])
+    assert (decode(encode_face(face))[0, 0, :3] * 255).round().tolist() == [0, 128, 255]
+
+
+@pytest.mark.parametrize("shape", [(1, 4, 4), (4, 4), (1, 3, 4, 4), (3, 0, 4)])
+def test_what_is_no_face_is_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(ImageContractError, match="wanted"):
+        encode_face(np.zeros(shape))
+
+
+def test_a_face_with_a_nan_is_refused() -> None:
+    with pytest.raises(ImageContractError, match="NaN"):
+        encode_face(np.full((3, 2, 2), np.nan))
+
+
+@pytest.mark.parametrize("count", [1, 6, 9])
+def test_curves_are_drawn_in_ink_on_white(count: int) -> None:
+    picture = decode(draw_roc(curves(count)))  # type: ignore[arg-type] # made above
+    assert picture.shape[1] == pytest.approx(1440, abs=2)
+    assert picture[0, 0, :3].tolist() == [1, 1, 1]
+    assert picture.min() < 0.5
+
+
+def test_a_curve_of_complete_separation_can_be_drawn() -> None:
+    assert decode(draw_roc({"perfect": trace_roc([2, 3], [0, 1])})).size > 0
+
+
+def test_an_interval_plot_grows_with_its_lines() -> None:
+    def height(count: int) -> int:
+        line = Interval("x", 0.5, 0.4, 0.6)
+        return decode(draw_intervals([line] * count, "AUC")).shape[0]
+
+    assert height(1) < height(6) < height(36)
+
+
+def test_every_line_differs_in_colour_or_dashes() -> None:
+    assert len(set(COLOURS)) == len(COLOURS) == len(DASHES)
+
+
+def test_drawing_leaves_the_users_plot_settings_alone() -> None:
+    before = dict(mpl.rcParams)
+    draw_roc(curves(1))  # type: ignore[arg-type] # made above
+    assert dict(mpl.rcParams) == before

@@ -1,0 +1,295 @@
+"""Tests of lrsr/experiments/report.py."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lrsr.errors import ImageContractError, InputError
+from lrsr.evaluation.biometrics import fnmr_at_fmr
+from lrsr.evaluation.delong import compare_aucs, estimate_auc
+from lrsr.evaluation.roc import trace_roc
+from lrsr.experiments.report import Panel, Report, format_p, render_html, write_report
+
+METHODS = {"base": "Base", "bicubic4": "Bicubic 4", "srcnn4": "SR 4"}
+
+
+def draw(shift: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return rng.normal(shift, 1, 40), rng.normal(0, 1, 1560)
+
+
+def make_row(option: int, method: str, scores: tuple[np.ndarray, np.ndarray]) -> dict[str, Any]:
+    return {
+        "option": option,
+        "ipd_px": 8.0,
+        "method": method,
+        "label": METHODS[method],
+        **estimate_auc(*scores).as_json(),
+        "psnr_y_db": None if method == "base" else 27.125,
+        "fta": 0.025,
+        "eer": 0.25,
+        "d_prime": 1.5,
+        "rank_1": 0.5,
+        "fnmr": [fnmr_at_fmr(*scores, target) for target in (0.1, 0.001)],
+    }
+
+
+def make_report(options: tuple[int, ...] = (1,), **changes: Any) -> Report:
+    rows, comparisons, panels = [], [], []
+    for option in options:
+        scores = {method: draw(1.0 + k, 10 * option + k) for k, method in enumerate(METHODS)}
+        rows += [make_row(option, method, own) for method, own in scores.items()]
+        for method, against in (("srcnn4", "base"), ("bicubic4", "base"), ("srcnn4", "bicubic4")):
+            test = compare_aucs(*scores[method], *scores[against]).as_json()
+            comparisons.append(
+                {"option": option, "ipd_px": 8.0, "method": method, "against": against, **test}
+            )
+        faces = np.random.default_rng(0).random((2, 3, 4, 4)).astype(np.float32)
+        panels.append(
+            Panel(
+                f"Option {option}",
+                {METHODS[method]: trace_roc(*own) for method, own in scores.items()},
+                {"Gallery": faces, "Probe": faces[..., :2, :2]},
+                ["test-00000", "test-00001"],
+            )
+        )
+    whole = Report(
+        title="Does it help?",
+        question="Is SR better than bicubic?",
+        settings={"experiment": "super_resolution", "identities": {"count": 40}, "options": [1]},
+        rows=rows,
+        comparisons=comparisons,
+        panels=panels,
+        done=["Rendered."],
+        not_done=["No real faces."],
+        versions={"numpy": "2.0"},
+        commit="abc1234",
+        seed=7,
+    )
+    return replace(whole, **changes)
+
+
+class Page(HTMLParser):
+    """Collects what a browser would load and what a reader would read."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.sources: list[str] = []
+        self.open_tags: list[str] = []
+        self.alts: list[str | None] = []
+        self.words: list[str] = []
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        fields: Mapping[str, str | None] = dict(attrs)
+        self.sources += [fields[key] or "" for key in ("src", "href") if key in fields]
+        if tag == "img":
+            self.alts.append(fields.get("alt"))
+        if tag not in {"img", "meta", "br", "link"}:
+            self.open_tags.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open_tags.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open_tags and self.open_tags[-1] != "style":
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+@pytest.fixture(scope="module")
+def html() -> str:
+    return render_html(make_report((1, 4)))
+
+
+@pytest.fixture(scope="module")
+def page(html: str) -> Page:
+    return Page(html)
+
+
+def test_report_loads_nothing_from_outside(html: str, page: Page) -> None:
+    assert page.sources
+    assert all(source.startswith("data:image/png;base64,") for source in page.sources)
+    assert not re.search(r"https?://|@import|url\(|<script|<link", html)
+
+
+def test_every_tag_is_closed_and_every_picture_described(page: Page) -> None:
+    assert page.open_tags == []
+    assert all(page.alts)
+
+
+def test_report_prints_the_area_and_its_interval_of_every_row(page: Page) -> None:
+    for row in make_report((1, 4)).rows:
+        assert f"{row['auc']:.3f}" in page.text
+        if row["high"] < 1:
+            assert f"[{row['low']:.3f} – {row['high']:.3f}]" in page.text
+
+
+def test_report_prints_quality_failures_and_numbers_of_scores(page: Page) -> None:
+    for words in ("27.12", "2.5%", "40 / 1,560"):
+        assert words in page.text
+
+
+def test_report_prints_settings_seed_commit_versions_and_notes(page: Page) -> None:
+    for words in (
+        "identities.count",
+        "Seed 7",
+        "abc1234",
+        "numpy 2.0",
+        "Rendered.",
+        "No real faces.",
+    ):
+        assert words in page.text
+
+
+def test_report_prints_every_paired_test(page: Page) -> None:
+    for comparison in make_report((1, 4)).comparisons:
+        difference = f"{comparison['difference']:+.3f}".replace("-", "−")
+        assert difference in page.text
+        shown = format_p(comparison["p"], comparison["log10_p"]).replace("\u00a0", " ")
+        assert shown in page.text
+
+
+def test_answer_names_the_best_method_of_each_option(page: Page) -> None:
+    for option in (1, 4):
+        assert f"Option {option}, IPD 8 px: the highest AUC is that of SR 4" in page.text
+
+
+def test_a_given_answer_takes_the_place_of_the_made_one() -> None:
+    text = Page(render_html(make_report(answer=["It does."], panels=[]))).text
+    assert "It does." in text
+    assert "highest AUC is that of" not in text
+
+
+def test_methods_that_share_the_highest_area_are_all_named() -> None:
+    scores = np.array([2.0, 3.0]), np.array([0.0, 1.0])
+    rows = [make_row(1, method, scores) for method in METHODS]
+    text = Page(render_html(make_report(rows=rows, comparisons=[], panels=[]))).text
+    assert "Base, Bicubic 4, SR 4 share the highest AUC, 1.000" in text
+
+
+def test_complete_separation_has_no_interval_and_a_note() -> None:
+    rows = [make_row(1, "base", (np.array([2.0, 3.0]), np.array([0.0, 1.0])))]
+    text = Page(render_html(make_report(rows=rows, comparisons=[], panels=[]))).text
+    assert "no interval" in text
+    assert "separated completely" in text
+    assert "the highest AUC is that of Base, 1.000." in text
+
+
+def test_an_interval_cut_at_one_gives_way_to_the_logit_interval() -> None:
+    row = make_row(1, "base", (np.array([0.4, 0.6, 0.9]), np.array([0.1, 0.2, 0.4, 0.5])))
+    text = Page(render_html(make_report(rows=[row], comparisons=[], panels=[]))).text
+    assert f"[{row['logit_low']:.3f} – {row['logit_high']:.3f}]" in text
+    assert "logit scale" in text
+
+
+def test_few_expected_false_matches_are_noted(page: Page) -> None:
+    assert "Fewer than ten false matches" in page.text
+
+
+def test_a_difference_that_holms_correction_removes_is_not_called_shown() -> None:
+    report = make_report()
+    comparisons = [{**comparison, "p": 0.04, "log10_p": -1.4} for comparison in report.comparisons]
+    text = Page(render_html(replace(report, comparisons=comparisons, panels=[]))).text
+    assert "no difference shown" in text
+
+
+def test_rows_alone_make_a_report() -> None:
+    rows = [
+        {
+            key: make_report().rows[0][key]
+            for key in ("option", "label", "auc", "std", "low", "high", "n_genuine", "n_impostor")
+        }
+    ]
+    text = Page(render_html(Report("T", "Q?", {}, rows))).text
+    assert "unknown (not run from a checkout)" in text
+    assert "Error rates" not in text
+
+
+def test_text_is_escaped() -> None:
+    html = render_html(make_report(title="<b>&", settings={"a<b": "<script>"}, panels=[]))
+    assert "<script>" not in html
+    assert "&lt;b&gt;&amp;" in html
+
+
+def test_the_same_report_is_the_same_file() -> None:
+    assert render_html(make_report()) == render_html(make_report())
+
+
+def test_write_report_makes_the_folder_and_returns_the_file(tmp_path: Path) -> None:
+    path = write_report(tmp_path / "new" / "run", make_report(panels=[]))
+    assert path == tmp_path / "new" / "run" / "report.html"
+    assert path.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+@pytest.mark.parametrize(
+    ("p", "log10_p", "words"),
+    [
+        (1.0, 0.0, "1.00"),
+        (0.5, None, "0.50"),
+        (0.04321, None, "0.043"),
+        (0.001, None, "0.001"),
+        (0.0009, None, "9.0 × 10⁻⁴"),
+        (9.99e-5, None, "1.0 × 10⁻⁴"),
+        (0.0, -1234.25, "5.6 × 10⁻¹²³⁵"),
+        (0.0, None, "0"),
+        (0.0, float("-inf"), "0"),
+    ],
+)
+def test_p_values_have_two_digits(p: float, log10_p: float | None, words: str) -> None:
+    assert format_p(p, log10_p).replace("\u00a0", " ") == words
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        pytest.param({"rows": []}, "no row", id="no-row"),
+        pytest.param({"rows": [{"option": 1, "label": "x"}]}, "row 0 .* lacks auc, std", id="row"),
+        pytest.param({"comparisons": [{"p": 1}]}, "comparison 0 .* lacks option", id="comparison"),
+        pytest.param(
+            {
+                "comparisons": [
+                    {"option": 1, "method": "other", "against": "base", "difference": 0, "p": 1}
+                ]
+            },
+            "names 'other'",
+            id="unknown-method",
+        ),
+        pytest.param(
+            {
+                "panels": [
+                    Panel("P", {}, {"a": np.zeros((1, 3, 2, 2)), "b": np.zeros((2, 3, 2, 2))})
+                ]
+            },
+            "'P' has columns",
+            id="uneven-sheet",
+        ),
+    ],
+)
+def test_an_incomplete_report_is_refused(
+    tmp_path: Path, changes: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        write_report(tmp_path, make_report(**changes))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(InputError, match="cannot write"):
+        write_report(tmp_path / "file", make_report(panels=[]))
+
+
+def test_a_broken_picture_is_refused(tmp_path: Path) -> None:
+    panel = Panel("P", {}, {"Probe": np.full((1, 3, 2, 2), np.nan)})
+    with pytest.raises(ImageContractError, match="NaN"):
+        write_report(tmp_path, make_report(panels=[panel]))
