@@ -1,8 +1,8 @@
 """How is ``lrsr/assets/hair_anchors.npz`` made? ``python -m lrsr.identities.build_hair_anchors``.
 
-From the average adult of :mod:`lrsr.identities.morphable` alone: the ears are the vertices that the
-ear targets of the shape space move; :mod:`lrsr.identities.hair_anchors` casts the rays. Run it again
-whenever ``head_basis.npz`` changes; a test compares the two.
+From the average adult of :mod:`lrsr.identities.morphable` alone: the ears are the vertices that
+the ear targets of the shape space move; :mod:`lrsr.identities.hair_anchors` casts the rays. Run it
+again whenever ``head_basis.npz`` changes; a test compares the two.
 """
 
 import sys
@@ -53,7 +53,7 @@ def main() -> int:
     path = Path(PACKAGE) / "assets" / ASSET_NAME
     anchors = make_anchors()
     with replacing(path) as unfinished, unfinished.open("wb") as file:
-        np.savez_compressed(file, **anchor_arrays(anchors))
+        np.savez_compressed(file, allow_pickle=False, **anchor_arrays(anchors))
     return 0
 
 

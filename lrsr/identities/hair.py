@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.identities.hair_anchors import load_anchors
+from lrsr.identities.hair_choice import colour_parameters, sample_hair
+from lrsr.identities.hair_paths import COLUMNS
 from lrsr.identities.hair_scalp import hairline_polar, scalp_mask
-from lrsr.identities.hair_shell import COLUMNS, ROWS, lay_shell, shell_rows
+from lrsr.identities.hair_shell import ROWS, lay_shell, shell_rows
 from lrsr.identities.hair_strands import lay_strands, strand_faces, strand_uv
-from lrsr.identities.hair_styles import STYLES, colour_parameters, sample_hair, style_parameters
+from lrsr.identities.hair_styles import STYLES, style_parameters
 from lrsr.identities.hair_texture import TEXTURE_SHAPE, hair_texture, mean_colour
 from lrsr.identities.head import Part
 

@@ -69,7 +69,7 @@ def hairline_polar(azimuth: Floats, parameters: Mapping[str, Any]) -> Floats:
     smooth = np.interp(grid, _CONTROL[:, 0], height)
     smooth = _blur(smooth, 7)
     tilt = parameters["tilt_deg"] * np.sin(np.deg2rad(azimuth)) * np.exp(-((azimuth / 60.0) ** 2))
-    return np.interp(np.abs(azimuth), grid, smooth) + tilt
+    return np.asarray(np.interp(np.abs(azimuth), grid, smooth) + tilt)
 
 
 def scalp_mask(

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from lrsr.identities.hair_shell import BEYOND_MM, COLUMNS, ROWS, Shell
+from lrsr.identities.hair_paths import COLUMNS
+from lrsr.identities.hair_shell import BEYOND_MM, ROWS, Shell
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]

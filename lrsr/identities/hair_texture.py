@@ -18,7 +18,7 @@ def mean_colour(parameters: Mapping[str, Any]) -> NDArray[np.float64]:
     """Return the mean linear RGB of the hair, grey strands included; for roots painted on skin."""
     pigment = np.asarray(parameters["hair_colour"], dtype=np.float64)
     grey = np.asarray(GREY_STRAND)
-    return (1.0 - parameters["grey"]) * pigment + parameters["grey"] * grey
+    return np.asarray((1.0 - parameters["grey"]) * pigment + parameters["grey"] * grey)
 
 
 def hair_texture(parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.float32]:
@@ -51,7 +51,7 @@ def hair_texture(parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.flo
     pigment = np.asarray(parameters["hair_colour"], dtype=np.float64)
     base = pigment + grey[:, None] * (np.asarray(GREY_STRAND) - pigment)
     texture = shade[..., None] * base[None].astype(np.float32)
-    return np.clip(texture, 0.0, 0.9)
+    return np.asarray(np.clip(texture, 0.0, 0.9), dtype=np.float32)
 
 
 def _drift(rng: np.random.Generator, knots: int) -> NDArray[np.float32]:
@@ -63,7 +63,7 @@ def _drift(rng: np.random.Generator, knots: int) -> NDArray[np.float32]:
     weights[np.arange(rows), first] = 1.0 - (place - first)
     weights[np.arange(rows), first + 1] = place - first
     values = gaussian_filter1d(rng.normal(size=(knots, columns)), 0.8, axis=1, mode="wrap")
-    return weights @ (values / values.std()).astype(np.float32)
+    return np.asarray(weights @ (values / values.std()), dtype=np.float32)
 
 
 def _unit(values: NDArray[np.float64]) -> NDArray[np.float64]:
