@@ -51,6 +51,6 @@ def _lamp(rng: np.random.Generator) -> Light:
 
 
 def _white(rng: np.random.Generator) -> tuple[float, float, float]:
-    """Draw a white between a warm lamp and a cloudy sky: red against blue within ±25 %."""
-    warmth = rng.uniform(-0.25, 0.25)
+    """Draw a white between a warm lamp and a cloudy sky: red against blue within ±15 %."""
+    warmth = rng.uniform(-0.15, 0.15)
     return (round(1 + warmth, 3), 1.0, round(1 - warmth, 3))

@@ -9,6 +9,8 @@ The warp is bilinear. A face of 10 px between the eyes is therefore enlarged 3.5
 the alignment itself, whatever came before it.
 """
 
+from typing import Literal
+
 import numpy as np
 import torch
 import torch.nn.functional as F
@@ -56,8 +58,8 @@ def fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
     if points.ndim != 3 or points.shape[1:] != (5, 2):
         raise ImageContractError(f"landmarks_px: got shape {points.shape}, wanted (B, 5, 2)")
     matrices = np.full((len(points), 2, 3), np.nan)
-    usable = np.isfinite(points).all(axis=(1, 2))
-    usable[usable] = np.ptp(points[usable], axis=1).max(axis=1) > 1e-6
+    usable = np.flatnonzero(np.isfinite(points).all(axis=(1, 2)))
+    usable = usable[np.ptp(points[usable], axis=1).max(axis=1) > 1e-6]
     source = points[usable]
     source_mean = source.mean(axis=1)
     target_mean = TEMPLATE_PX.mean(axis=0)
@@ -76,9 +78,14 @@ def fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
 
 
 def warp(
-    images: torch.Tensor, matrices: NDArray[np.float64], *, size_px: int, antialias: bool
+    images: torch.Tensor,
+    matrices: NDArray[np.float64],
+    *,
+    size_px: int,
+    antialias: bool,
+    outside: Literal["zeros", "border"] = "zeros",
 ) -> torch.Tensor:
-    """Resample images through ``matrices``, bilinearly; what lies outside an image is black.
+    """Resample images through ``matrices``, bilinearly.
 
     Args:
         images: ``(B, C, H, W)`` float32, any range.
@@ -86,6 +93,7 @@ def warp(
         size_px: Height and width of the result, px.
         antialias: Where the result is smaller than the image, average k×k bilinear samples per
             pixel of the result, k = the minification rounded up. Off: one sample, as insightface.
+        outside: What lies outside an image: black, as insightface, or the nearest pixel's colour.
 
     Returns:
         ``(B, C, size_px, size_px)`` float32.
@@ -105,7 +113,7 @@ def warp(
         rows = torch.from_numpy(np.flatnonzero(rays == k))
         shape = [len(rows), 1, k * size_px, k * size_px]
         grid = F.affine_grid(theta[rows], shape, align_corners=False)
-        fine = F.grid_sample(images[rows], grid, padding_mode="zeros", align_corners=False)
+        fine = F.grid_sample(images[rows], grid, padding_mode=outside, align_corners=False)
         result[rows] = F.avg_pool2d(fine, k) if k > 1 else fine
     return result
 

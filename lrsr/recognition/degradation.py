@@ -46,7 +46,7 @@ class Degradation:
     jpeg_quality: tuple[int, int] = (10, 95)
     noise: float = 0.03
     gain: float = 0.15
-    tint: float = 0.05
+    tint: float = 0.03
     contrast: float = 0.15
     jitter: float = 0.02
     group: int = 16
@@ -72,7 +72,11 @@ class Degradation:
             rows = torch.from_numpy(kept)
             jitter = self._jitter(len(kept), rng)
             result[rows] = warp(
-                self._expose(faces[rows], rng), jitter, size_px=CROP_PX, antialias=False
+                self._expose(faces[rows], rng),
+                jitter,
+                size_px=CROP_PX,
+                antialias=False,
+                outside="border",
             )
         chosen = np.flatnonzero(smaller)
         for start in range(0, len(chosen), self.group):
@@ -89,7 +93,7 @@ class Degradation:
         factor = CROP_PX / side
         phase = np.tile(np.eye(2, 3), (len(faces), 1, 1))  # where the pixel grid meets the face
         phase[:, :, 2] = rng.uniform(-0.5, 0.5, (len(faces), 2)) * factor
-        shifted = warp(faces, phase, size_px=CROP_PX, antialias=False)
+        shifted = warp(faces, phase, size_px=CROP_PX, antialias=False, outside="border")
         small = F.interpolate(shifted, size=(side, side), mode="bilinear", antialias=True)
         small = self._expose(small, rng)
         if rng.random() < self.jpeg_share:
@@ -101,7 +105,13 @@ class Degradation:
         back[:, 0, 0] = back[:, 1, 1] = factor
         back[:, :2, 2] = (factor - 1) / 2 - phase[:, :, 2]
         back[:, 2, 2] = 1
-        return warp(small, self._jitter(len(faces), rng) @ back, size_px=CROP_PX, antialias=False)
+        return warp(
+            small,
+            self._jitter(len(faces), rng) @ back,
+            size_px=CROP_PX,
+            antialias=False,
+            outside="border",
+        )
 
     def _expose(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
         """Change brightness, colour and contrast, add noise, round to 8 bits."""

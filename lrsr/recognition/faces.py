@@ -46,7 +46,10 @@ class FaceSettings:
         sharp_samples: Rays per pixel of the sharp views.
         small_samples: Rays per pixel of the small views.
         validation_identities: People of the split "validation", >= 2.
+        validation_samples: Rays per pixel of their small views; an experiment takes 2048.
         texture_size: Of the heads' albedo, px.
+        skin: Skin model of the renderer.
+        max_depth: Longest light path.
         antialias: Average when alignment makes a face smaller; goes into the contract.
         seed: Poses, lights and samplers follow from it.
 
@@ -60,10 +63,13 @@ class FaceSettings:
     small_views: int = 2
     sharp_ipd_px: tuple[float, float] = (32.0, 36.0)
     small_ipd_px: tuple[float, float] = (7.0, 16.0)
-    sharp_samples: int = 48
-    small_samples: int = 256
+    sharp_samples: int = 32
+    small_samples: int = 128
     validation_identities: int = 64
+    validation_samples: int = 512
     texture_size: int = 512
+    skin: str = "reflective"
+    max_depth: int = 5
     antialias: bool = True
     seed: int = 0
 
@@ -227,6 +233,8 @@ def _views(settings: FaceSettings, index: int) -> Iterator[ProbeRecipe]:
             samples_per_pixel=settings.sharp_samples if sharp else settings.small_samples,
             seed=derived_seed(settings.seed, "faces", index, view),
             texture_size=settings.texture_size,
+            skin=settings.skin,
+            max_depth=settings.max_depth,
         )
 
 
@@ -240,9 +248,11 @@ def _frontal(
         kind="gallery" if lighting == "frontal" else "probe",
         lighting=lighting,
         ipd_px=ipd_px,
-        samples_per_pixel=settings.sharp_samples if large else settings.small_samples,
+        samples_per_pixel=settings.sharp_samples if large else settings.validation_samples,
         seed=derived_seed(settings.seed, split, index, ipd_px, lighting),
         texture_size=settings.texture_size,
+        skin=settings.skin,
+        max_depth=settings.max_depth,
     )
 
 

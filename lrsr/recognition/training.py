@@ -84,6 +84,7 @@ def train_embedder(
     *,
     faces: FaceSettings | None = None,
     training: TrainingSettings | None = None,
+    resume: bool = True,
     progress: bool = True,
     maker: Maker | None = None,
 ) -> Path:
@@ -96,6 +97,7 @@ def train_embedder(
         cache: Of renderings.
         faces: Who and how many.
         training: How they are learned.
+        resume: Go on from the folder's last.ckpt where there is one; else begin anew.
         progress: Show bars on stderr.
         maker: Renders; Mitsuba when None.
 
@@ -108,7 +110,7 @@ def train_embedder(
     """
     faces, training = faces or FaceSettings(), training or TrainingSettings()
     record = {"faces": asdict(faces), "training": asdict(training)}
-    _claim(folder, record)
+    _claim(folder, record, resume=resume)
     render_faces(faces, cache, progress=progress, maker=maker)
     crops = load_training_faces(faces, cache, progress=progress, maker=maker)
     validation = load_validation_faces(faces, cache, progress=progress, maker=maker)
@@ -182,16 +184,20 @@ class _Record(lightning.Callback):
         write_json(self.path, {"finished": False, "history": pl_module.history})
 
 
-def _claim(folder: Path, record: dict[str, Any]) -> None:
-    """Make the folder this run's, or check that it already is.
+def _claim(folder: Path, record: dict[str, Any], *, resume: bool) -> None:
+    """Make the folder this run's, or check that it already is; forget what must not be resumed.
 
     Raises:
         InputError: It holds a run of other settings.
     """
     path = folder / "settings.json"
     wanted = json.loads(json.dumps(record))
-    if path.is_file() and json.loads(path.read_text()) != wanted:
-        raise InputError(f"{folder} holds a run of other settings: choose another folder")
+    if not resume:
+        (folder / "last.ckpt").unlink(missing_ok=True)
+    elif path.is_file() and json.loads(path.read_text()) != wanted:
+        raise InputError(
+            f"{folder} holds a run of other settings: choose another folder, or resume=false"
+        )
     write_json(path, wanted)
 
 

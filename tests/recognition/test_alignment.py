@@ -91,6 +91,12 @@ def test_outside_the_image_is_black() -> None:
     assert not crop.any()
 
 
+def test_outside_the_image_its_edge_can_go_on() -> None:
+    shift = np.array([[[1.0, 0.0, 10.0], [0.0, 1.0, 0.0]]])
+    crop = warp(ramp(20)[:, :, :, 5:], shift, size_px=20, antialias=False, outside="border")
+    torch.testing.assert_close(crop[0, 0, :, :10], torch.full((20, 10), 0.005))
+
+
 def test_antialiasing_averages_what_one_sample_would_miss() -> None:
     y, x = np.mgrid[:224, :224]
     board = torch.from_numpy(((x + y) % 2).astype(np.float32))[None, None]

@@ -98,6 +98,17 @@ def test_a_folder_of_another_run_is_left_alone(
         train(folder, cache, maker)
 
 
+def test_unless_the_user_begins_anew(
+    tmp_path: Path, cache: RenderCache, maker: "Maker", monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(training, "_finish", lambda folder, *_: folder)
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "settings.json").write_text('{"faces": {}}')
+    (folder / "last.ckpt").write_bytes(b"of another run")
+    assert len(train(folder, cache, maker, resume=False)["history"]) == 2
+
+
 def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
     path = tmp_path / "best.ckpt"
     path.write_bytes(b"no checkpoint")
