@@ -20,53 +20,21 @@ from lrsr.identities import regions
 from lrsr.identities.beard import Beard, sample_beard
 from lrsr.identities.brows import Brows, sample_brows
 from lrsr.identities.canvas import FloatMap
+from lrsr.identities.complexion import (
+    Complexion,
+    Lips,
+    MakeUp,
+    sample_complexion,
+    sample_lips,
+    sample_make_up,
+)
 from lrsr.identities.hair_colour import HairColour, hair_rgb, sample_hair_colour
 from lrsr.identities.iris import Iris, sample_iris
 from lrsr.identities.lines import ALBEDO_PER_MM, Lines, draw_lines, sample_lines
 from lrsr.identities.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_marks, sample_marks
 from lrsr.identities.skin_tone import tone_map
 
-Colour = tuple[float, float, float]
-
-_MELANIN_MEANS = (0.22, 0.045, 0.022)
-_MELANIN_LIMITS = (0.009, 0.32)
-_BLOOD_MEAN = 0.022
-_BLOOD_LIMITS = (0.013, 0.05)
 _WARM = np.array([1.0, 0.9, 0.8], dtype=np.float32)  # skin shines through white brows
-
-
-class Complexion(TypedDict):
-    """Pigments of the skin: means as volume fractions, the rest as changes of their logarithms."""
-
-    melanin: float
-    blood: float
-    melanin_mottle: float
-    blood_mottle: float
-    cheeks: float
-    nose: float
-    ears: float
-    lids: float
-    chin: float
-    forehead: float
-    dark_circles: float
-    tan: float
-
-
-class Lips(TypedDict):
-    """Natural lips by their pigments, as changes of the logarithms of the skin's."""
-
-    blood: float
-    melanin: float
-
-
-class MakeUp(TypedDict):
-    """Opacities, [0, 1], and colours (linear sRGB) of what is put on the skin."""
-
-    lipstick: float
-    lipstick_colour: Colour
-    eyeliner: float
-    eyeshadow: float
-    eyeshadow_colour: Colour
 
 
 class Appearance(TypedDict):
@@ -107,7 +75,8 @@ def sample_appearance(
     """Draw what a person's skin, lips, brows, beard and eyes look like.
 
     Args:
-        rng: Source of randomness.
+        rng: Source of randomness; every trait gets a child of its own, so that a change to one of
+            them leaves the others as they were.
         masculinity: 0 (female) to 1 (male).
         age: 0 (25 years) to 1 (old).
         ancestry: ``(3,)`` shares of African, Asian and European ancestry, summing to 1.
@@ -116,62 +85,22 @@ def sample_appearance(
         Plain numbers and names.
     """
     shares = np.asarray(ancestry, dtype=np.float64)
-    hair_colour = sample_hair_colour(rng, age=age, ancestry=shares)
-    complexion = _sample_complexion(rng, age, shares)
+    asian, european = float(shares[1]), float(shares[2])
+    child = dict(zip(Appearance.__annotations__, rng.spawn(9), strict=True))
+    hair = sample_hair_colour(child["hair_colour"], age=age, ancestry=shares)
+    complexion = sample_complexion(child["complexion"], age=age, ancestry=shares)
     return {
         "complexion": complexion,
-        "lips": {
-            "blood": float(rng.uniform(0.6, 1.7)),
-            "melanin": float(rng.uniform(0.0, 0.35)),
-        },
-        "make_up": _sample_make_up(rng, masculinity),
-        "marks": sample_marks(rng, melanin=complexion["melanin"], age=age),
-        "lines": sample_lines(rng, age=age),
-        "brows": sample_brows(rng, masculinity=masculinity),
+        "lips": sample_lips(child["lips"]),
+        "make_up": sample_make_up(child["make_up"], masculinity=masculinity),
+        "marks": sample_marks(child["marks"], melanin=complexion["melanin"], age=age),
+        "lines": sample_lines(child["lines"], age=age),
+        "brows": sample_brows(child["brows"], masculinity=masculinity),
         "beard": sample_beard(
-            rng, masculinity=masculinity, asian=float(shares[1]), grey=hair_colour["grey"]
+            child["beard"], masculinity=masculinity, asian=asian, grey=hair["grey"]
         ),
-        "hair_colour": hair_colour,
-        "iris": sample_iris(
-            rng, european=float(shares[2]), eumelanin=hair_colour["eumelanin"], age=age
-        ),
-    }
-
-
-def _sample_complexion(rng: Generator, age: float, ancestry: NDArray[np.float64]) -> Complexion:
-    melanin = np.exp(ancestry @ np.log(_MELANIN_MEANS) + rng.normal(0.0, 0.35))
-    blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.35))
-    flush = float(np.exp(rng.normal(0.0, 0.45)))
-    return {
-        "melanin": float(np.clip(melanin, *_MELANIN_LIMITS)),
-        "blood": float(np.clip(blood, *_BLOOD_LIMITS)),
-        "melanin_mottle": float(rng.uniform(0.6, 1.5)),
-        "blood_mottle": float(rng.uniform(0.6, 1.5)),
-        "cheeks": float(0.42 * flush * rng.uniform(0.3, 1.5)),
-        "nose": float(0.38 * flush * rng.uniform(0.3, 1.4)),
-        "ears": float(rng.uniform(0.15, 0.6)),
-        "lids": float(rng.uniform(0.1, 0.5)),
-        "chin": float(rng.uniform(0.0, 0.35)),
-        "forehead": float(rng.uniform(-0.25, 0.1)),
-        "dark_circles": float(np.clip(rng.normal(0.15 + 0.2 * age, 0.17), 0.0, 0.55)),
-        "tan": float(rng.uniform(-0.1, 0.25)),
-    }
-
-
-def _sample_make_up(rng: Generator, masculinity: float) -> MakeUp:
-    wears = (1 - masculinity) ** 2 if masculinity < 0.5 else 0.0
-    hue = rng.uniform(0.0, 1.0)
-    berry, red, rose = np.array([[0.20, 0.03, 0.06], [0.36, 0.035, 0.045], [0.48, 0.16, 0.16]])
-    shade = red + (rose - red) * hue if rng.random() < 0.7 else berry + (red - berry) * hue
-    shadow = np.array([[0.10, 0.05, 0.035], [0.06, 0.06, 0.08], [0.22, 0.09, 0.10]])[
-        rng.integers(3)
-    ]
-    return {
-        "lipstick": float(rng.uniform(0.45, 0.9)) if rng.random() < 0.42 * wears else 0.0,
-        "lipstick_colour": (float(shade[0]), float(shade[1]), float(shade[2])),
-        "eyeliner": float(rng.uniform(0.3, 0.95)) if rng.random() < 0.45 * wears else 0.0,
-        "eyeshadow": float(rng.uniform(0.2, 0.6)) if rng.random() < 0.25 * wears else 0.0,
-        "eyeshadow_colour": (float(shadow[0]), float(shadow[1]), float(shadow[2])),
+        "hair_colour": hair,
+        "iris": sample_iris(child["iris"], european=european, eumelanin=hair["eumelanin"], age=age),
     }
 
 
@@ -222,14 +151,14 @@ class SkinPainter:
         Returns:
             Albedo and displacement.
         """
-        rng = np.random.default_rng(seed)
+        of_tone, of_beard, of_brows = np.random.default_rng(seed).spawn(3)
         heights = draw_lines(appearance["lines"], regions.FACE)
-        albedo = self._paint_tone(appearance, rng)
+        albedo = self._paint_tone(appearance, of_tone)
         groove = regions.FACE.sample(heights, self._texels.face_pixels) * self._texels.front
         albedo *= np.exp(np.float32(ALBEDO_PER_MM) * groove)[..., None]
         self._paint_make_up(albedo, appearance["make_up"])
-        tufts = self._paint_beard(albedo, appearance, rng)
-        self._paint_brows(albedo, appearance, rng)
+        tufts = self._paint_beard(albedo, appearance, of_beard)
+        self._paint_brows(albedo, appearance, of_brows)
         return SkinMaps(np.clip(albedo, 0.0, 1.0), self._displace(appearance, heights, tufts))
 
     def _paint_tone(self, appearance: Appearance, rng: Generator) -> FloatMap:

@@ -23,7 +23,7 @@ _CENTRE = np.array([0.0, -35.0, -75.0])
 _RADIUS_MM = 85.0
 _STRANDS = 5200
 _STRAND_POINTS = 4
-_GROUND_LEVEL = 185  # the blur between hairs is never so dark that they drown in it
+_GROUND_LEVEL = 205  # the blur between hairs is never so dark that they drown in it
 
 
 class Beard(TypedDict):

@@ -55,7 +55,7 @@ def sample_iris(rng: Generator, *, european: float, eumelanin: float, age: float
     Returns:
         Plain numbers and the colour's name.
     """
-    light = european**2 * np.clip(0.85 - 0.22 * np.log(eumelanin / 0.4), 0.15, 0.92)
+    light = european**1.3 * np.clip(0.85 - 0.22 * np.log(eumelanin / 0.4), 0.15, 0.92)
     if rng.random() < light:
         colour = str(rng.choice(_LIGHT, p=(0.24, 0.18, 0.20, 0.38)))
     else:

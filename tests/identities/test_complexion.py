@@ -1,0 +1,78 @@
+import json
+
+import numpy as np
+import pytest
+
+from lrsr.identities.complexion import (
+    BLOOD_LIMITS,
+    MELANIN_LIMITS,
+    sample_complexion,
+    sample_lips,
+    sample_make_up,
+)
+
+
+@pytest.mark.parametrize(
+    ("ancestry", "melanin"),
+    [((1, 0, 0), 0.22), ((0, 1, 0), 0.045), ((0, 0, 1), 0.022), ((0.5, 0, 0.5), 0.0696)],
+    ids=["african", "asian", "european", "half and half"],
+)
+def test_melanins_median_follows_ancestry(
+    ancestry: tuple[float, float, float], melanin: float
+) -> None:
+    rng = np.random.default_rng(0)
+    drawn = [sample_complexion(rng, age=0.3, ancestry=ancestry)["melanin"] for _ in range(800)]
+    # the median of 800 draws of spread 0.35 in the logarithm: 4 standard errors are 6 %
+    assert np.median(drawn) == pytest.approx(melanin, rel=0.065)
+    assert min(drawn) >= MELANIN_LIMITS[0]
+    assert max(drawn) <= MELANIN_LIMITS[1]
+
+
+def test_blood_keeps_within_its_limits() -> None:
+    rng = np.random.default_rng(0)
+    drawn = [sample_complexion(rng, age=0.3, ancestry=(0, 0, 1))["blood"] for _ in range(400)]
+    assert min(drawn) >= BLOOD_LIMITS[0]
+    assert max(drawn) <= BLOOD_LIMITS[1]
+    assert np.median(drawn) == pytest.approx(0.022, rel=0.1)
+
+
+def test_circles_darken_with_age() -> None:
+    rng = np.random.default_rng(0)
+    young, old = (
+        np.mean(
+            [
+                sample_complexion(rng, age=age, ancestry=(0, 0, 1))["dark_circles"]
+                for _ in range(200)
+            ]
+        )
+        for age in (0.0, 1.0)
+    )
+    assert old > young + 0.1
+
+
+def test_only_women_wear_make_up() -> None:
+    rng = np.random.default_rng(0)
+    women = [sample_make_up(rng, masculinity=0.05) for _ in range(400)]
+    men = [sample_make_up(rng, masculinity=0.6) for _ in range(200)]
+    for kind, share in (("lipstick", 0.42), ("eyeliner", 0.45), ("eyeshadow", 0.25)):
+        worn = np.mean([person[kind] > 0 for person in women])
+        expected = share * 0.95**2
+        assert worn == pytest.approx(expected, abs=4 * np.sqrt(expected * (1 - expected) / 400))
+        assert all(person[kind] == 0 for person in men)
+
+
+def test_lips_are_redder_than_skin() -> None:
+    rng = np.random.default_rng(0)
+    lips = [sample_lips(rng) for _ in range(100)]
+    assert min(person["blood"] for person in lips) >= 0.6
+    assert min(person["melanin"] for person in lips) >= 0
+
+
+def test_everything_survives_json() -> None:
+    rng = np.random.default_rng(0)
+    drawn = [
+        sample_complexion(rng, age=0.5, ancestry=(0.2, 0.3, 0.5)),
+        sample_lips(rng),
+        sample_make_up(rng, masculinity=0.1),
+    ]
+    assert json.loads(json.dumps(drawn)) == drawn
