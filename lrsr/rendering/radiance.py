@@ -12,7 +12,8 @@ class Radiance:
     Attributes:
         image: ``(3, H, W)`` float32, scene-referred linear sRGB primaries, >= 0, unbounded above.
         landmarks_px: ``(5, 2)`` float32, (x, y) in pixels of ``image``: pixel (0, 0) is the
-            top-left, its centre has the coordinate 0, so x' = s (x + 0.5) - 0.5 on a film s times finer.
+            top-left, its centre has the coordinate 0, so x' = s (x + 0.5) - 0.5 on a film s times
+            finer.
         ipd_px: True interpupillary distance of the frontal face on the ×1 film, px.
         scale: How many times finer than the ×1 film (1, 2 or 4).
         metered: Luminance that an incident-light meter reads at the face: what an 18 % grey

@@ -81,6 +81,8 @@ class Renderer:
                 f"ipd_px={ipd_px}, scale={scale}, samples_per_pixel={samples_per_pixel},"
                 f" seed={seed}: give ipd_px > 0, scale >= 1, samples_per_pixel >= 1, seed >= 0"
             )
+        if camera_m is not None and not camera_m > 0:
+            raise InputError(f"camera_m={camera_m}: give a distance > 0, in metres")
         viewpoint = place_camera(
             head.pupils, ipd_px, offset_mm=pose.frame_offset_mm(), camera_m=camera_m
         )

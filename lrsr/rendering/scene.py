@@ -6,6 +6,7 @@ Angles are in degrees in the frame of the camera: azimuth 0, elevation 0 is wher
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
@@ -131,7 +132,7 @@ class Lighting:
 
     Attributes:
         name: For manifests.
-        lights: Key lights; may be empty if ``fill_share`` is 1.
+        lights: Key lights, or mappings of their fields; may be empty if ``fill_share`` is 1.
         fill_share: Share of the metered light that comes equally from everywhere, 0..1. It is the
             backdrop too, which after exposure therefore always has this luminance.
         fill_rgb: Its colour; scaled so that its luminance is 1.
@@ -148,7 +149,9 @@ class Lighting:
         Raises:
             InputError: A share outside 0..1, no light at all, or a fill of no colour.
         """
-        object.__setattr__(self, "lights", tuple(self.lights))  # Hydra hands over lists
+        given: Iterable[Any] = self.lights  # Hydra hands over lists of mappings
+        lights = tuple(light if isinstance(light, Light) else Light(**light) for light in given)
+        object.__setattr__(self, "lights", lights)
         object.__setattr__(self, "fill_rgb", tuple(self.fill_rgb))
         if not 0 <= self.fill_share <= 1 or (self.fill_share == 1) == bool(self.lights):
             raise InputError(

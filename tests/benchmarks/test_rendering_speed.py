@@ -1,0 +1,126 @@
+"""How fast are our films beside ``mi.render`` of the same loaded scene, and what does a head cost?
+
+pytest tests/benchmarks/test_rendering_speed.py --benchmark-enable --benchmark-group-by=group -s
+"""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from lrsr.identities.head import Head
+from lrsr.identities.morphable import sample_head
+from lrsr.rendering.backend import start
+from lrsr.rendering.film import describe_sensor
+from lrsr.rendering.geometry import place_camera
+from lrsr.rendering.renderer import Renderer
+from lrsr.rendering.scene import LIGHTINGS, POSES
+
+FILMS = [
+    pytest.param(1, 2048, id="probe-32px-2048spp"),
+    pytest.param(4, 128, id="reference-128px-128spp"),
+]
+
+
+@pytest.fixture(scope="module")
+def renderer() -> Renderer:
+    return Renderer()
+
+
+@pytest.fixture(scope="module")
+def heads() -> list[Head]:
+    return [sample_head(seed) for seed in range(4)]
+
+
+def mitsuba_render(
+    renderer: Renderer, head: Head, scale: int, samples: int
+) -> Callable[[], object]:
+    """Return a call of ``mi.render`` with its splatting film and its default sampler."""
+    mi = start()
+    pose = POSES["frontal"]
+    scene = renderer._stage.show(head, LIGHTINGS["frontal"], pose)
+    viewpoint = place_camera(head.pupils, 8.0)
+    description = describe_sensor(viewpoint, pose, scale * viewpoint.film_px, samples)
+    description["sampler"] = {"type": "independent"}
+    sensor, integrator = mi.load_dict(description), renderer._path()
+    return lambda: np.array(mi.render(scene, sensor=sensor, integrator=integrator, spp=samples))
+
+
+@pytest.mark.parametrize(("scale", "samples"), FILMS)
+def test_our_film(
+    benchmark: BenchmarkFixture, renderer: Renderer, heads: list[Head], scale: int, samples: int
+) -> None:
+    benchmark.group = f"{32 * scale} px, {samples} samples"
+    benchmark.pedantic(
+        renderer.render, (heads[0],), {"scale": scale}, rounds=5, iterations=1, warmup_rounds=1
+    )
+
+
+@pytest.mark.parametrize(("scale", "samples"), FILMS)
+def test_mi_render_of_the_same_scene(
+    benchmark: BenchmarkFixture, renderer: Renderer, heads: list[Head], scale: int, samples: int
+) -> None:
+    benchmark.group = f"{32 * scale} px, {samples} samples"
+    benchmark.pedantic(
+        mitsuba_render(renderer, heads[0], scale, samples), rounds=5, iterations=1, warmup_rounds=1
+    )
+
+
+def test_a_new_head_in_the_scene(
+    benchmark: BenchmarkFixture, renderer: Renderer, heads: list[Head]
+) -> None:
+    """Vertices, normals, textures and the BVH; poses and lights cost a millisecond."""
+    benchmark.group = "update"
+    people = iter(heads * 4)
+    frontal = (LIGHTINGS["frontal"], POSES["frontal"])
+    benchmark.pedantic(
+        lambda head: renderer._stage.show(head, *frontal),
+        setup=lambda: ((next(people),), {}),
+        rounds=6,
+        warmup_rounds=1,
+    )
+
+
+def test_a_job_beside_the_same_rays_of_mi_render(renderer: Renderer, heads: list[Head]) -> None:
+    """Print the ratio for the job of one person: gallery, a probe at three scales; new head each."""
+    job = [(1, 2048), (2, 512), (4, 128)]
+    for scale, samples in job:
+        renderer.render(heads[0], scale=scale)
+        mitsuba_render(renderer, heads[0], scale, samples)()
+    ratios = []
+    for head in heads[1:]:
+        began = time.perf_counter()
+        for scale, _ in job:
+            renderer.render(head, scale=scale)
+        ours = time.perf_counter() - began
+        calls = [mitsuba_render(renderer, head, *film) for film in job]
+        began = time.perf_counter()
+        for call in calls:
+            call()
+        theirs = time.perf_counter() - began
+        ratios.append(ours / theirs)
+    print(
+        f"\nour job / bare mi.render: {np.median(ratios):.2f} ({min(ratios):.2f}..{max(ratios):.2f})"
+    )
+
+
+def test_count_the_kernels_of_20_heads_at_three_scales(renderer: Renderer) -> None:
+    """Print how many kernels are compiled for 20 people, 6 options and 3 scales."""
+    import drjit as dr
+
+    options = [("frontal", "frontal"), ("above", "frontal"), ("above", "down")]
+    options += [("frontal", "down"), ("below", "up"), ("below", "left")]
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory):
+        dr.kernel_history_clear()
+        for seed in range(20):
+            head = sample_head(seed)
+            for lighting, pose in options:
+                for scale in (1, 2, 4):
+                    renderer.render(
+                        head, pose=pose, lighting=lighting, scale=scale, samples_per_pixel=256
+                    )
+        history = dr.kernel_history([dr.KernelType.JIT])
+    compiled = [entry for entry in history if not entry["cache_hit"]]
+    print(f"\n{len(history)} launches, {len(compiled)} kernels compiled")

@@ -1,0 +1,80 @@
+"""The film, as a sample: against Mitsuba's own, and against itself at other scales and passes."""
+
+import numpy as np
+import pytest
+from oracles.heads import stand_in
+from scipy.stats import norm
+
+from lrsr.rendering import film
+from lrsr.rendering.backend import start
+from lrsr.rendering.film import describe_sensor, expose, grid_samples, pass_seed
+from lrsr.rendering.geometry import place_camera
+from lrsr.rendering.renderer import Renderer
+from lrsr.rendering.scene import LIGHTINGS, POSES, Lighting
+
+POSE = POSES["left"]
+
+
+def pictures(renderer: Renderer, count: int, samples: int, *, own: bool) -> np.ndarray:
+    head = stand_in(0)
+    scene = renderer._stage.show(head, LIGHTINGS["side"], POSE)
+    viewpoint = place_camera(head.pupils, 6.0, offset_mm=POSE.frame_offset_mm())
+    integrator = renderer._path()
+    if own:
+        return np.array(
+            [
+                expose(scene, integrator, viewpoint, POSE, scale=1, samples=samples, seed=seed)
+                for seed in range(count)
+            ]
+        )
+    mi = start()
+    sensor = mi.load_dict(describe_sensor(viewpoint, POSE, viewpoint.film_px, samples))
+    return np.array(
+        [
+            np.array(mi.render(scene, sensor=sensor, integrator=integrator, spp=samples, seed=seed))
+            for seed in range(1000, 1000 + count)
+        ]
+    )
+
+
+def test_every_pixel_agrees_with_mitsubas_splatting_film(renderer: Renderer) -> None:
+    ours, theirs = (pictures(renderer, 8, 256, own=own) for own in (True, False))
+    # Mitsuba's filter is lowered to end at zero (by e^-8); its pixels differ by up to 0.1 %.
+    variance = (ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / 8
+    tolerance = np.sqrt(variance + (2e-3 * ours.mean(axis=0)) ** 2)
+    z = np.abs(ours.mean(axis=0) - theirs.mean(axis=0)) / tolerance
+    assert z.max() < 1.5 * norm.isf(0.001 / z.size)  # t with 14 degrees of freedom has longer tails
+
+
+def test_passes_do_not_change_the_expectation(
+    renderer: Renderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = pictures(renderer, 4, 256, own=True)
+    monkeypatch.setattr(film, "MAX_RAYS", 24 * 24 * 70)
+    split = pictures(renderer, 4, 256, own=True)
+    assert not np.array_equal(whole, split)
+    assert split.mean() == pytest.approx(whole.mean(), rel=2e-3)
+
+
+@pytest.mark.parametrize("samples", [1, 16, 17, 100, 128, 512, 2048])
+def test_a_grid_has_at_least_the_samples_and_few_more(samples: int) -> None:
+    assert samples <= grid_samples(samples) <= samples + np.sqrt(samples) + 1
+    assert grid_samples(grid_samples(samples)) == grid_samples(samples)
+
+
+def test_passes_and_seeds_have_seeds_of_their_own() -> None:
+    seeds = [pass_seed(seed, number) for seed in range(30) for number in range(30)]
+    assert len(set(seeds)) == len(seeds)
+
+
+def test_finer_films_are_aligned(renderer: Renderer) -> None:
+    cloudy = Lighting("cloudy", (), fill_share=1.0)
+    ask = {"pose": "left", "lighting": cloudy, "ipd_px": 6, "samples_per_pixel": 512}
+    centroids = []
+    for scale in (1, 2, 4):
+        image = renderer.render(stand_in(0, grey=0.0), scale=scale, **ask).image
+        darkness = (1 - image).sum(0).numpy()
+        y, x = np.mgrid[: darkness.shape[0], : darkness.shape[1]]
+        centre = np.array([(darkness * axis).sum() for axis in (x, y)]) / darkness.sum()
+        centroids.append((centre + 0.5) / scale)
+    np.testing.assert_allclose(centroids[1:], centroids[:1] * 2, atol=0.01)

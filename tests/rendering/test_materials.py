@@ -1,0 +1,32 @@
+"""The numbers of the materials are legal, and an unknown skin says what exists."""
+
+from typing import get_args
+
+import pytest
+
+from lrsr.errors import InputError
+from lrsr.identities.head import Material
+from lrsr.rendering.materials import SKINS, bsdf, skin_materials
+
+
+@pytest.mark.parametrize("skin", SKINS)
+def test_every_material_of_a_head_has_legal_numbers(skin: str) -> None:
+    materials = skin_materials(skin)
+    assert set(materials) == set(get_args(Material))
+    assert all(0 <= value <= 1 for numbers in materials.values() for value in numbers.values())
+
+
+def test_skin_reflects_as_much_as_the_index_1_4() -> None:
+    facing = ((1.4 - 1) / (1.4 + 1)) ** 2
+    assert 0.08 * skin_materials("reflective")["skin"]["specular"] == pytest.approx(
+        facing, abs=5e-4
+    )
+
+
+def test_an_unknown_skin_names_the_known() -> None:
+    with pytest.raises(InputError, match="skin 'wax' does not exist; choose one of reflective"):
+        skin_materials("wax")
+
+
+def test_both_sides_of_a_sheet_are_lit() -> None:
+    assert bsdf({"roughness": 0.5}, {"type": "rgb", "value": 0.5})["type"] == "twosided"

@@ -1,0 +1,239 @@
+"""The whole renderer: IPD, landmarks, the meter, same bytes, no waste, and its errors."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from oracles.heads import dots, ellipsoid_part, stand_in
+
+import lrsr.rendering
+from lrsr.errors import InputError, NonFiniteError
+from lrsr.identities.head import Head
+from lrsr.images import linear_to_srgb
+from lrsr.rendering import renderer as module
+from lrsr.rendering import stage
+from lrsr.rendering.renderer import Renderer, render, shared_renderer
+from lrsr.rendering.scene import LIGHTINGS, POSES, Lighting, Pose, environment
+
+CLOUDY = Lighting("cloudy", (), fill_share=1.0)
+FAR = Pose("far", yaw_deg=45, pitch_deg=25, roll_deg=10)
+
+
+@pytest.fixture(scope="module")
+def dot_renderer() -> Iterator[Renderer]:
+    """Return a renderer of its own for the dots, so that scenes are not reloaded all the time."""
+    yield Renderer()
+
+
+def centroids(darkness: np.ndarray, guesses: np.ndarray, reach: int) -> np.ndarray:
+    """Find the centre of darkness in a window around each guess, px."""
+    found = []
+    for guess in guesses:
+        x0, y0 = np.round(guess).astype(int) - reach
+        window = darkness[y0 : y0 + 2 * reach + 1, x0 : x0 + 2 * reach + 1]
+        y, x = np.mgrid[: window.shape[0], : window.shape[1]]
+        found.append(
+            [x0 + (window * x).sum() / window.sum(), y0 + (window * y).sum() / window.sum()]
+        )
+    return np.array(found)
+
+
+@pytest.mark.parametrize("pose", [*POSES.values(), FAR], ids=lambda pose: pose.name)
+def test_landmarks_are_where_the_picture_shows_them(dot_renderer: Renderer, pose: Pose) -> None:
+    points = stand_in(3).landmarks
+    result = dot_renderer.render(
+        dots(points), pose=pose, lighting=CLOUDY, ipd_px=16, scale=4, samples_per_pixel=1024
+    )
+    expected = result.landmarks_px.numpy()
+    seen = centroids(1 - result.image[1].numpy(), expected, reach=7)
+    np.testing.assert_allclose(seen, expected, atol=0.08)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_ipd_in_the_picture_is_what_was_asked_for(dot_renderer: Renderer, seed: int) -> None:
+    points = stand_in(seed).landmarks
+    result = dot_renderer.render(dots(points), lighting=CLOUDY, ipd_px=8)
+    eyes = centroids(1 - result.image[1].numpy(), result.landmarks_px.numpy()[:2], reach=3)
+    assert np.hypot(*(eyes[1] - eyes[0])) == pytest.approx(8, abs=0.05)
+    assert result.ipd_px == 8.0
+
+
+@pytest.mark.parametrize("pose", [*POSES.values(), FAR], ids=lambda pose: pose.name)
+def test_landmarks_stay_well_inside_the_frame(pose: Pose, monkeypatch: pytest.MonkeyPatch) -> None:
+    quick = Renderer()
+    monkeypatch.setattr(quick._stage, "show", lambda *_: None)
+    monkeypatch.setattr(quick, "_path", lambda: None)
+    monkeypatch.setattr(module, "expose", lambda *_, **__: np.zeros((32, 32, 3), np.float32))
+    for seed in range(20):
+        landmarks = quick.render(stand_in(seed), pose=pose).landmarks_px
+        assert landmarks.min() > 2
+        assert landmarks.max() < 29
+
+
+@pytest.mark.parametrize("name", LIGHTINGS)
+def test_the_meter_reads_what_a_grey_sphere_sends(
+    name: str, monkeypatch: pytest.MonkeyPatch, lambert_renderer: Renderer
+) -> None:
+    radius, distance = 60.0, 1e4
+    ball = ellipsoid_part("skin", "skin", (radius,) * 3, (0, -12.6, 0), np.full((2, 2, 3), 0.18))
+    pupils = np.array([[-31.5, 0, 0], [31.5, 0, 0]])
+    head = Head("sphere", (ball,), pupils, np.zeros((5, 3)))
+    result = lambert_renderer.render(
+        head, lighting=name, ipd_px=16, samples_per_pixel=512, camera_m=distance / 1000
+    )
+    side = result.image.shape[-1]
+    y, x = np.mgrid[:side, :side] - (side - 1) / 2
+    disc = x**2 + y**2 < (16 * radius / 63) ** 2
+    backdrop = float(result.image[1, 0, 0])
+    area = np.pi * (16 * radius / 63) ** 2
+    # Pixels of the rim are part backdrop: take the whole frame, less what the backdrop fills.
+    sphere = (float(result.image[1].sum()) - backdrop * (side**2 - area)) / area
+    assert disc.sum() == pytest.approx(area, rel=0.05)
+    assert sphere / 0.18 == pytest.approx(result.metered, rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def lambert_renderer() -> Iterator[Renderer]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            stage, "bsdf", lambda numbers, colour: {"type": "diffuse", "reflectance": colour}
+        )
+        yield Renderer()
+
+
+def test_what_a_radiance_says(renderer: Renderer, head: Head) -> None:
+    result = renderer.render(
+        head, pose="up", lighting="below", ipd_px=4.2, scale=2, samples_per_pixel=64, seed=5
+    )
+    assert result.image.shape == (3, 32, 32)
+    assert result.image.dtype == torch.float32
+    assert result.landmarks_px.shape == (5, 2)
+    assert result.landmarks_px.dtype == torch.float32
+    assert result.metered == environment(LIGHTINGS["below"])[1]
+    assert (result.ipd_px, result.scale, result.seed) == (4.2, 2, 5)
+    assert (result.identity_id, result.pose, result.lighting) == ("stand-in-0", "up", "below")
+
+
+def test_the_same_request_is_the_same_bytes_whoever_came_before(renderer: Renderer) -> None:
+    ask = {"pose": "down", "lighting": "side", "ipd_px": 4, "samples_per_pixel": 64}
+    first = renderer.render(stand_in(1), **ask)
+    renderer.render(stand_in(2), pose="left", ipd_px=4, samples_per_pixel=16)
+    assert renderer.render(stand_in(1), **ask).image.equal(first.image)
+
+
+def test_another_seed_is_other_noise_about_the_same_light(renderer: Renderer, head: Head) -> None:
+    a, b = (renderer.render(head, ipd_px=4, samples_per_pixel=256, seed=s).image for s in (0, 1))
+    assert not a.equal(b)
+    assert float(a.mean()) == pytest.approx(float(b.mean()), rel=2e-3)
+
+
+@pytest.mark.parametrize(("scale", "samples"), [(1, 2048), (2, 512), (4, 128), (16, 16)])
+def test_every_scale_has_the_same_rays(
+    scale: int, samples: int, head: Head, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = {}
+    quick = Renderer()
+    monkeypatch.setattr(quick._stage, "show", lambda *_: None)
+    monkeypatch.setattr(quick, "_path", lambda: None)
+
+    def record(*_: object, **settings: int) -> np.ndarray:
+        asked.update(settings)
+        return np.zeros((1, 1, 3), np.float32)
+
+    monkeypatch.setattr(module, "expose", record)
+    quick.render(head, scale=scale)
+    assert (asked["scale"], asked["samples"]) == (scale, samples)
+
+
+@pytest.mark.parametrize("lighting", ["frontal", "side"])
+def test_2048_samples_leave_no_fireflies(renderer: Renderer, lighting: str) -> None:
+    a, b = (renderer.render(stand_in(1), lighting=lighting, ipd_px=6, seed=s) for s in (0, 1))
+    shown = [255 * linear_to_srgb(picture.image / picture.metered) for picture in (a, b)]
+    difference = (shown[0] - shown[1]).abs() / 2**0.5
+    assert float(difference.median()) < 0.5
+    assert float(difference.max()) < 4
+
+
+def test_heads_poses_lights_and_seeds_compile_nothing_new(renderer: Renderer) -> None:
+    import drjit as dr
+
+    ask = {"ipd_px": 4, "samples_per_pixel": 64}
+    for scale in (1, 2):
+        renderer.render(stand_in(0), scale=scale, **ask)
+        renderer.render(stand_in(1), scale=scale, pose="up", lighting="below", **ask)
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory):
+        dr.kernel_history_clear()
+        for number, (pose, lighting) in enumerate(zip(POSES, LIGHTINGS, strict=True)):
+            for scale in (1, 2):
+                settings = {"pose": pose, "lighting": lighting, "seed": 7 + number}
+                renderer.render(stand_in(2 + number), scale=scale, **settings, **ask)
+        history = dr.kernel_history([dr.KernelType.JIT])
+    assert len(history) > 8
+    assert [entry["hash"] for entry in history if not entry["cache_hit"]] == []
+
+
+def test_the_slow_variant_renders_the_same(renderer: Renderer, tmp_path: Path) -> None:
+    ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16}
+    fast = renderer.render(stand_in(0), **{**ask, "samples_per_pixel": 1024}).image
+    code = (
+        "import sys, numpy as np; from oracles.heads import stand_in; import lrsr.rendering\n"
+        f"result = lrsr.rendering.render(stand_in(0), **{ask!r})\n"
+        "np.save(sys.argv[1], result.image.numpy())"
+    )
+    target = tmp_path / "slow.npy"
+    environment = {**os.environ, "LRSR_VARIANT": "scalar_rgb"}
+    environment["PYTHONPATH"] = str(Path(__file__).parents[1])
+    subprocess.run([sys.executable, "-c", code, str(target)], check=True, env=environment)
+    slow = torch.from_numpy(np.load(target))
+    assert slow.shape == fast.shape
+    assert float(slow.mean()) == pytest.approx(float(fast.mean()), rel=0.02)
+    assert float((slow - fast).abs().mean()) < 0.03
+
+
+def test_a_pixel_that_is_no_number_names_who_and_how(renderer: Renderer, head: Head) -> None:
+    skin = head.parts[0]
+    broken = replace(skin, albedo=np.full_like(skin.albedo, np.nan))
+    ghost = replace(head, identity_id="ghost", parts=(broken, *head.parts[1:]))
+    with pytest.raises(NonFiniteError, match="head ghost, pose up, lighting side"):
+        renderer.render(ghost, pose="up", lighting="side", ipd_px=4, samples_per_pixel=16)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"ipd_px": 0}, {"scale": 0}, {"samples_per_pixel": 0}, {"seed": -1}, {"camera_m": -1}]
+)
+def test_numbers_out_of_range_are_refused(renderer: Renderer, head: Head, wrong: dict) -> None:
+    with pytest.raises(InputError, match="give"):
+        renderer.render(head, **wrong)
+
+
+def test_an_unknown_skin_or_a_depth_without_light_is_refused() -> None:
+    with pytest.raises(InputError, match="skin 'wax' does not exist; choose one of reflective"):
+        Renderer("wax")
+    with pytest.raises(InputError, match="max_depth=1"):
+        Renderer(max_depth=1)
+
+
+def test_the_module_renders_with_one_shared_renderer(
+    head: Head, renderer: Renderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert shared_renderer() is shared_renderer()
+    monkeypatch.setattr(module, "shared_renderer", lambda: renderer)
+    assert render(head, ipd_px=4, samples_per_pixel=16).image.shape == (3, 16, 16)
+    with pytest.raises(InputError, match="pose 'sideways'"):
+        render(head, pose="sideways")
+    with pytest.raises(NonFiniteError, match="stand-in-0"):
+        skin = replace(head.parts[0], albedo=np.full_like(head.parts[0].albedo, np.nan))
+        render(replace(head, parts=(skin, *head.parts[1:])), ipd_px=4, samples_per_pixel=16)
+
+
+def test_the_folder_offers_its_names_and_no_others() -> None:
+    assert lrsr.rendering.Renderer is Renderer
+    assert all(getattr(lrsr.rendering, name) for name in lrsr.rendering.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'Camera'"):
+        _ = lrsr.rendering.Camera
