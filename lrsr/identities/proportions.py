@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from lrsr.identities.basis import BaseHead, Basis, load_basis
 
 X, Y, Z = 0, 1, 2
-LIMIT_SD = 2.3
+LIMIT_SD = 1.6
 """Measures saturate softly towards this many standard deviations."""
 STEPS = 3
 
@@ -129,6 +129,13 @@ def make_gauge(basis: Basis, template: BaseHead) -> Gauge:
     return Gauge(effects, LIMIT_SD * np.array([measure.sd_mm for measure in MEASURES]))
 
 
+def _saturate(extent: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Leave what is within half the limit, lead what is beyond softly to the limit itself."""
+    beyond = np.maximum(np.abs(extent) - 0.5, 0.0)
+    within = np.minimum(np.abs(extent), 0.5)
+    return np.asarray(np.sign(extent) * (within + 0.5 * np.tanh(2.0 * beyond)))
+
+
 def restrain(
     gauge: Gauge,
     values: NDArray[np.float64],
@@ -154,22 +161,18 @@ def restrain(
             f"{len(values)} sliders, {len(columns)} columns and {len(width)} widths do not agree"
         )
     values = values.copy()
-    for _ in range(STEPS):
+    wanted: NDArray[np.float64] | None = None
+    for _ in range(STEPS):  # a slider that crosses zero acts by its other end from then on
         positive = values >= 0
         ends = np.where(positive, columns[:, 1], columns[:, 0])
-        effects = gauge.effects[:, ends] * np.where(positive, 1.0, -1.0)
-        scaled = effects / gauge.limits[:, None]
+        scaled = gauge.effects[:, ends] * np.where(positive, 1.0, -1.0) / gauge.limits[:, None]
         extent = scaled @ values
-        # Within half the limit nothing happens; beyond, tanh leads to the limit itself.
-        beyond = np.sign(extent) * np.maximum(np.abs(extent) - 0.5, 0.0)
-        wanted = np.where(
-            np.abs(extent) > 0.5, np.sign(extent) * 0.5 + 0.5 * np.tanh(2 * beyond), extent
-        )
+        if wanted is None:
+            wanted = _saturate(extent)
         spread = scaled * width**2
         system = spread @ scaled.T
         system += 1e-3 * np.trace(system) / len(system) * np.eye(len(system))
-        step = spread.T @ np.linalg.solve(system, wanted - extent)
-        values += step
+        values += spread.T @ np.linalg.solve(system, wanted - extent)
     return values
 
 

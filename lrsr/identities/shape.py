@@ -20,9 +20,9 @@ AGES = ("young", "old")
 RACES = ("african", "asian", "caucasian")
 LEVELS = ("min", "average", "max")
 
-SHAPE_GAIN = 1.3
-"""Widens all local variation; at 1.3 the impostor similarity of real recognisers is lowest that
-still looks human."""
+SHAPE_GAIN = 1.2
+"""Widens all local variation, so that real recognisers tell the people apart; more looks like
+caricature."""
 ANCESTRY_GAIN = 1.4
 """Exaggerates a mix of ancestries about the equal one."""
 ASYMMETRY = 0.22 * 1.2
