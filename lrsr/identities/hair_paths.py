@@ -1,4 +1,4 @@
-"""How is hair combed? Where columns of strands start, where they leave the skull, how long they are.
+"""How is hair combed? Where strands start, where they leave the skull, how long they are.
 
 Degrees of the flattened chart (:func:`lrsr.identities.hair_chart.flatten`) and millimetres along
 the strand; the head's own shape enters by its chart only.
@@ -36,7 +36,7 @@ class Paths:
         leave: ``(COLUMNS, 2)`` flattened chart, degrees.
         over_skull_mm: ``(COLUMNS,)`` length of the way from root to where they leave the skull.
         length_mm: ``(COLUMNS,)`` length to the tip, >= 1; shorter than ``over_skull_mm`` if cut.
-        on_parting: ``(COLUMNS,)`` 1 = its root is at the front end of the parting, 0 = at the whorl.
+        on_parting: ``(COLUMNS,)`` 1 = root at the front end of the parting, 0 = at the whorl.
         leading: ``(COLUMNS,)`` 0 = the open front edge of parted hair, 1 = not near it.
         free: ``(COLUMNS,)`` 1 = the tips hang free, 0 = they end at the hairline.
         tuft: ``(COLUMNS,)`` -1..1 from one side of a tuft to the other.

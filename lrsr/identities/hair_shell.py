@@ -24,9 +24,9 @@ from lrsr.identities.hair_thickness import Course, lay_thickness
 Floats = NDArray[np.float64]
 
 ROWS = 40
-BEYOND_MM = (4.0, 9.0, 15.0)
+BEYOND_MM = (3.0, 6.5, 10.0)
 """Extra rows past a free edge, for strands that reach over it; not part of the shell's mesh. At a
-hairline they are a third as long."""
+hairline they are half as long."""
 
 _MOST_HANG_MM = 32.0
 _CRANIUM = slice(0, 30)
@@ -111,7 +111,7 @@ def _make_bed(
 def _run(parameters: Mapping[str, Any], paths: Paths) -> Course:
     """Place the rows on the columns."""
     length = paths.length_mm[:, None]
-    beyond = (0.33 + 0.67 * paths.free[:, None]) * np.asarray(BEYOND_MM)
+    beyond = (0.5 + 0.5 * paths.free[:, None]) * np.asarray(BEYOND_MM)
     along = np.concatenate([shell_rows() * length, length + beyond], axis=1)
     over_skull = paths.over_skull_mm[:, None]
     flat = follow_paths(paths, along / over_skull, parameters["bow"])
@@ -157,18 +157,19 @@ def _hang(parameters: Mapping[str, Any], bed: _Bed, paths: Paths, course: Course
     """Put the rows on the skin; past the skull let them go down, off the skin and the ears."""
     points = sample_chart(bed.chart, course.azimuth, course.polar)
     leaves = course.down > 0.0
-    last = np.arange(COLUMNS), np.maximum(leaves.argmax(axis=1) - 1, 0)
-    flat = points[..., [0, 2]] - bed.centre[[0, 2]]
-    radius = np.linalg.norm(flat, axis=-1)
-    edge = radius[last]
-    heading = flat[last] / np.maximum(edge, 1e-6)[:, None]
-    y = np.where(leaves, points[last][:, 1:2] - course.down, points[..., 1])
+    edge = sample_chart(bed.chart, paths.azimuth, np.linalg.norm(paths.leave, axis=1)) - bed.centre
+    width = np.hypot(edge[:, 0], edge[:, 2])[:, None]
+    heading = edge[:, [0, 2]] / np.maximum(width, 1e-6)
+    top = bed.centre[1] + edge[:, 1:2]
+    y = np.where(leaves, top - course.down, points[..., 1])
     columns = np.broadcast_to(paths.azimuth[:, None], y.shape)
     surface = sample_level(bed.skin_radius, columns, y)
-    surface += (edge - surface[last])[:, None] * np.exp(-course.down / 30.0)
+    step = width - sample_level(bed.skin_radius, paths.azimuth[:, None], top)
+    surface += step * np.exp(-course.down / 30.0)
     if bed.ears_radius is not None:
         surface = np.maximum(surface, sample_level(bed.ears_radius, columns, y))
-    radius = np.where(leaves, surface, radius)
+    flat = points[..., [0, 2]] - bed.centre[[0, 2]]
+    radius = np.where(leaves, surface, np.linalg.norm(flat, axis=-1))
     widest = np.maximum.accumulate(radius, axis=1)
     radius += parameters["hang"] * np.minimum(widest - radius, _MOST_HANG_MM)
     hanging = np.stack(
