@@ -2,7 +2,7 @@
 
 ``cuda_ad_rgb`` where a GPU renders, else ``llvm_ad_rgb`` with an LLVM that works, else
 ``scalar_rgb``. An old LLVM (14, 15) makes Dr.Jit abort the whole process, so every candidate
-renders in a child process first; the verdict is kept on disk, so that this costs seconds once per machine.
+renders in a child process first; the verdict is kept on disk, so that this costs seconds only once.
 """
 
 import ctypes

@@ -9,7 +9,7 @@ from lrsr.identities.head import Head, Material, Part
 
 
 def ball(rows: int, columns: int) -> tuple[NDArray, NDArray, NDArray]:
-    """Unit sphere: vertices, faces counter-clockwise from outside, uv with v = 0 at the top (+y)."""
+    """Make a unit sphere: vertices, faces counter-clockwise from outside, uv with v = 0 at +y."""
     v, u = np.meshgrid(np.linspace(0, 1, rows + 1), np.linspace(0, 1, columns + 1), indexing="ij")
     theta, phi = v * np.pi, (u - 0.5) * 2 * np.pi  # u = 0.5 looks to +z, u grows to +x
     vertices = np.stack(

@@ -129,7 +129,7 @@ def test_a_choice_that_cannot_run_is_refused(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, children: list
 ) -> None:
     monkeypatch.setenv("LRSR_VARIANT", "llvm_ad_rgb")
-    with pytest.raises(InputError, match="does not work here .*bad.so: status -6.*unset it"):
+    with pytest.raises(InputError, match=r"does not work here .*bad\.so: status -6.*unset it"):
         choose_variant([library(tmp_path, "bad.so")])
     monkeypatch.setenv("LRSR_VARIANT", "cuda_ad_rgb")
     with pytest.raises(InputError, match="CUDA: no driver"):

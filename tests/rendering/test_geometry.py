@@ -12,6 +12,7 @@ from lrsr.images import scale_points
 from lrsr.rendering.geometry import (
     AXIS_P1435LE,
     FRAME_DROP_IPDS,
+    Viewpoint,
     distance_m,
     film_size_px,
     place_camera,
@@ -21,7 +22,7 @@ from lrsr.rendering.geometry import (
 PUPILS = np.array([[-31.5, 0.0, 0.0], [31.5, 0.0, 0.0]])
 
 
-def ipd_on_film(viewpoint, pupils, scale=1) -> float:
+def ipd_on_film(viewpoint: Viewpoint, pupils: np.ndarray, scale: int = 1) -> float:
     left, right = viewpoint.project(pupils, scale)
     return float(np.hypot(*(right - left)))
 

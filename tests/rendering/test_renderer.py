@@ -26,9 +26,9 @@ FAR = Pose("far", yaw_deg=45, pitch_deg=25, roll_deg=10)
 
 
 @pytest.fixture(scope="module")
-def dot_renderer() -> Iterator[Renderer]:
+def dot_renderer() -> Renderer:
     """Return a renderer of its own for the dots, so that scenes are not reloaded all the time."""
-    yield Renderer()
+    return Renderer()
 
 
 def centroids(darkness: np.ndarray, guesses: np.ndarray, reach: int) -> np.ndarray:
@@ -227,9 +227,10 @@ def test_the_module_renders_with_one_shared_renderer(
     assert render(head, ipd_px=4, samples_per_pixel=16).image.shape == (3, 16, 16)
     with pytest.raises(InputError, match="pose 'sideways'"):
         render(head, pose="sideways")
+    skin = replace(head.parts[0], albedo=np.full_like(head.parts[0].albedo, np.nan))
+    ghost = replace(head, parts=(skin, *head.parts[1:]))
     with pytest.raises(NonFiniteError, match="stand-in-0"):
-        skin = replace(head.parts[0], albedo=np.full_like(head.parts[0].albedo, np.nan))
-        render(replace(head, parts=(skin, *head.parts[1:])), ipd_px=4, samples_per_pixel=16)
+        render(ghost, ipd_px=4, samples_per_pixel=16)
 
 
 def test_the_folder_offers_its_names_and_no_others() -> None:
