@@ -24,6 +24,7 @@ from lrsr.data.probes import load_probes, render_missing, stack
 from lrsr.data.recipe import ProbeRecipe, Split, derived_seed
 from lrsr.errors import InputError
 from lrsr.paths import cache_folder
+from lrsr.rendering.geometry import film_size_px
 
 if TYPE_CHECKING:
     from lrsr.rendering.scene import Lighting, Pose
@@ -146,7 +147,7 @@ class ProbeDataModule(LightningDataModule):
         for name, (holds, value, wish) in wanted.items():
             if not holds:
                 raise InputError(f"data {name}={value}: wanted {wish}")
-        smallest = 4 * round(min(self.distances)) * min(hr for _, hr in self.pairs)
+        smallest = film_size_px(min(self.distances)) * min(hr for _, hr in self.pairs)
         if smallest < self.patch_px:
             raise InputError(
                 f"data ipd_px={min(self.distances):g}: its targets are {smallest} px wide, smaller"

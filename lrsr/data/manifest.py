@@ -87,13 +87,15 @@ def read_manifest(folder: Path, *, pictures: bool = True) -> list[ManifestRow]:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"cannot read {path}: {reason}; lrsr render makes one") from error
     reader = csv.DictReader(lines, strict=True)
-    missing = [name for name in REQUIRED if name not in (reader.fieldnames or ())]
-    if missing:
-        raise InputError(f"{path}, line 1: no column {', '.join(missing)}; lrsr render writes them")
     try:
+        missing = [name for name in REQUIRED if name not in (reader.fieldnames or ())]
+        if missing:
+            names = ", ".join(missing)
+            raise InputError(f"{path}, line 1: no column {names}; lrsr render writes them")
         return [_row(path, reader.line_num, values, pictures) for values in reader]
     except csv.Error as error:
-        raise InputError(f"{path}, line {reader.line_num}: {error}; make it again") from error
+        line = reader.line_num + 1  # the one after the last that could be read
+        raise InputError(f"{path}, line {line}: {error}; make it again") from error
 
 
 def _row(path: Path, line: int, values: dict[str, str | None], pictures: bool) -> ManifestRow:

@@ -76,6 +76,7 @@ def test_an_empty_manifest_has_no_rows(folder: Path) -> None:
     ("old", "new", "message"),
     [
         ("ipd_px,scale", "ipd,scale", r"manifest\.csv, line 1: no column ipd_px"),
+        ("file,", '"file"x,', r"manifest\.csv, line 1: ',' expected after '\"'"),
         ("b.png", "c.png", r"line 3: c\.png does not exist"),
         ("b.png", "../b.png", r"line 3: \.\./b\.png lies outside"),
         ("b.png", "/etc/hostname", r"line 3: /etc/hostname lies outside"),
@@ -85,7 +86,7 @@ def test_an_empty_manifest_has_no_rows(folder: Path) -> None:
         (",8,2,", ",8,2.5,", r"line 2: invalid literal for int"),
         ("0.1250 ", "", r"line 2: landmarks_px holds 9 numbers, wanted 10"),
         ("0.1250 ", "inf ", r"line 2: inf is not a finite number"),
-        ('"above', '"above\n\n"', r"manifest\.csv, line"),
+        ('"above, a bit"', '"above" a bit', r"manifest\.csv, line 2: ',' expected after '\"'"),
     ],
     ids=lambda value: value[:12],
 )
