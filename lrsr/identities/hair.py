@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lrsr.identities.hair_anchors import load_anchors
 from lrsr.identities.hair_choice import colour_parameters, sample_hair
 from lrsr.identities.hair_paths import COLUMNS
-from lrsr.identities.hair_scalp import hairline_polar, scalp_mask
+from lrsr.identities.hair_scalp import Scalp, hairline_polar, scalp_mask
 from lrsr.identities.hair_shell import ROWS, lay_shell, shell_rows
 from lrsr.identities.hair_strands import lay_strands, strand_faces, strand_uv
 from lrsr.identities.hair_styles import STYLES, style_parameters
@@ -26,6 +26,7 @@ from lrsr.identities.head import Part
 __all__ = [
     "STYLES",
     "TEXTURE_SHAPE",
+    "Scalp",
     "build_hair",
     "colour_parameters",
     "hair_faces",

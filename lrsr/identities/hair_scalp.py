@@ -21,6 +21,8 @@ MM_PER_DEG = 1.6
 """Length of one degree on the skull, about 92 mm from its centre."""
 
 _EAR_CLEARANCE_MM = 5.0
+_REACH_DEG = 32.0
+_FINE = 720
 
 # Azimuth (degrees, subject's left positive), polar angle of the natural hairline, and how strongly
 # recession, widow's peak, sideburn (degrees) and nape move it.
@@ -72,34 +74,67 @@ def hairline_polar(azimuth: Floats, parameters: Mapping[str, Any]) -> Floats:
     return np.asarray(np.interp(np.abs(azimuth), grid, smooth) + tilt)
 
 
+class Scalp:
+    """The skin on which hair can grow, prepared once for all people who share a texture layout.
+
+    Args:
+        position_map_xyz: ``(H, W, 3)`` canonical point of each texel, mm in the template's head
+            frame; NaN where a texel shows no skin.
+    """
+
+    def __init__(self, position_map_xyz: NDArray[np.floating[Any]]) -> None:
+        self.shape = position_map_xyz.shape[:2]
+        points = np.nan_to_num(np.asarray(position_map_xyz, dtype=np.float64), nan=1e4)
+        azimuth, polar = chart_angles(points)
+        reach = np.interp(np.abs(azimuth), _CONTROL[:, 0], _CONTROL[:, 1]) + _REACH_DEG
+        radius = np.linalg.norm(points - np.asarray(SKULL_CENTRE_MM), axis=-1)
+        grows = (polar < reach) & (radius < _skull_radius(azimuth, polar) + _EAR_CLEARANCE_MM)
+        self._texels = np.flatnonzero(grows)
+        self._polar = polar[grows]
+        column = np.rint((azimuth[grows] % 360.0) * (_FINE / 360.0)).astype(np.intp) % _FINE
+        self._column = column
+        self._stroke = np.rint(self._polar).astype(np.intp) * _FINE + column
+
+    def paint(self, parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.float32]:
+        """Return how much of each texel the hair roots cover.
+
+        Args:
+            parameters: Of one head of hair.
+            seed: Of the ragged edge.
+
+        Returns:
+            ``(H, W)`` float32, 0 = bare skin, 1 = all hair; fades over about 8 mm in strokes.
+        """
+        azimuth: Floats = (np.arange(_FINE) * (360.0 / _FINE) + 180.0) % 360.0 - 180.0
+        line = hairline_polar(azimuth, parameters)[self._column]
+        stroke = _strokes(np.random.default_rng([seed, 5])).ravel()[self._stroke]
+        inside_mm = (line - self._polar) * MM_PER_DEG
+        cover = smoothstep((inside_mm + 6.0 * (stroke - 0.35)) / 7.0 + 0.5)
+        bald = parameters["bald_deg"]
+        if bald > 0:
+            rim_mm = (self._polar - bald_polar(azimuth, bald)[self._column]) * MM_PER_DEG
+            cover = cover * smoothstep((rim_mm + 10.0 * (stroke - 0.5)) / 18.0 + 0.5)
+        density = parameters["density"]
+        cover = cover * (density + (1.0 - density) * 0.5 * (stroke - 0.5))
+        mask = np.zeros(self.shape, dtype=np.float32)
+        mask.ravel()[self._texels] = np.clip(cover, 0.0, 1.0)
+        return mask
+
+
 def scalp_mask(
     parameters: Mapping[str, Any], position_map_xyz: NDArray[np.floating[Any]], seed: int = 0
 ) -> NDArray[np.float32]:
-    """Return how much of each skin texel the hair roots cover.
+    """Return how much of each texel the hair roots cover; for many people keep a :class:`Scalp`.
 
     Args:
         parameters: Of one head of hair.
-        position_map_xyz: ``(H, W, 3)`` canonical point of each texel, mm in the template's head
-            frame; NaN where a texel shows no skin.
+        position_map_xyz: As for :class:`Scalp`.
         seed: Of the ragged edge.
 
     Returns:
-        ``(H, W)`` float32, 0 = bare skin, 1 = all hair; fades over about 8 mm in strand strokes.
+        As of :meth:`Scalp.paint`.
     """
-    points = np.nan_to_num(np.asarray(position_map_xyz, dtype=np.float64), nan=1e4)
-    azimuth, polar = chart_angles(points)
-    inside_mm = (hairline_polar(azimuth, parameters) - polar) * MM_PER_DEG
-    rng = np.random.default_rng([seed, 5])
-    stroke = _strokes(rng, azimuth, polar)
-    cover = smoothstep((inside_mm + 6.0 * (stroke - 0.35)) / 7.0 + 0.5)
-    bald = parameters["bald_deg"]
-    if bald > 0:
-        rim = (polar - bald_polar(azimuth, bald)) * MM_PER_DEG
-        cover = cover * smoothstep((rim + 10.0 * (stroke - 0.5)) / 18.0 + 0.5)
-    cover = cover * (parameters["density"] + (1 - parameters["density"]) * 0.5 * (stroke - 0.5))
-    radius = np.linalg.norm(points - np.asarray(SKULL_CENTRE_MM), axis=-1)
-    cover = np.where(radius > _skull_radius(azimuth, polar) + _EAR_CLEARANCE_MM, 0.0, cover)
-    return np.clip(cover, 0.0, 1.0).astype(np.float32)
+    return Scalp(position_map_xyz).paint(parameters, seed)
 
 
 def bald_polar(azimuth: Floats, bald_deg: float) -> Floats:
@@ -108,13 +143,13 @@ def bald_polar(azimuth: Floats, bald_deg: float) -> Floats:
     return np.asarray(bald_deg * (1.08 + 0.12 * np.cos(np.deg2rad(azimuth))) + front)
 
 
-def _strokes(rng: np.random.Generator, azimuth: Floats, polar: Floats) -> Floats:
-    """Streaks along the strands, 0..1: fine noise over azimuth that drifts slowly with height."""
-    table = _blur(rng.random((24, 720)), 3)
-    table = (table - table.min()) / np.ptp(table)
-    rows = np.clip(polar / 180.0 * 23.0, 0.0, 23.0)
-    columns = (azimuth % 360.0) * 2.0
-    return np.asarray(map_coordinates(table, [rows, columns], order=1, mode="grid-wrap"))
+def _strokes(rng: np.random.Generator) -> Floats:
+    """Streaks along the strands, 0..1, ``(181, _FINE)``: one row a degree of polar angle."""
+    knots = _blur(rng.random((24, _FINE)), 3)
+    knots = (knots - knots.min()) / np.ptp(knots)
+    place = np.linspace(0.0, 22.999, 181)
+    first, share = place.astype(np.intp), (place % 1.0)[:, None]
+    return np.asarray((1.0 - share) * knots[first] + share * knots[first + 1])
 
 
 def _skull_radius(azimuth: Floats, polar: Floats) -> Floats:

@@ -28,7 +28,7 @@ from lrsr.identities.eyes import (
     make_lashes,
     unit_ball,
 )
-from lrsr.identities.hair import build_hair, mean_colour, sample_hair, scalp_mask
+from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
 from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
@@ -183,6 +183,11 @@ def _painter(texture_size: int) -> SkinPainter:
     return SkinPainter(*position_map(texture_size), vertices=template().skin)
 
 
+@lru_cache(maxsize=2)
+def _scalp(texture_size: int) -> Scalp:
+    return Scalp(position_map(texture_size).points)
+
+
 def _paint_skin(
     parameters: Mapping[str, Any], texture_size: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -190,7 +195,7 @@ def _paint_skin(
     seed, hair = parameters["seed"], parameters["hair"]
     maps = _painter(texture_size).paint(parameters["appearance"], seed)
     albedo = maps.albedo
-    roots = scalp_mask(hair, position_map(texture_size).points, seed)[..., None]
+    roots = _scalp(texture_size).paint(hair, seed)[..., None]
     albedo += roots * (mean_colour(hair).astype(np.float32) - albedo)
     return albedo, maps.displacement
 

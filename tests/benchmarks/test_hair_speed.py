@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from lrsr.identities.hair import STYLES, build_hair, scalp_mask
+from lrsr.identities.hair import STYLES, Scalp, build_hair
 from lrsr.identities.hair_styles import style_parameters
 from lrsr.identities.morphable import position_map, sample_head
 
@@ -41,8 +41,8 @@ def test_mesh_and_texture(benchmark: BenchmarkFixture, style: str) -> None:
 
 @pytest.mark.benchmark(group="hair")
 def test_roots(benchmark: BenchmarkFixture) -> None:
-    points = position_map(512).points
+    scalp = Scalp(position_map(512).points)
     hair = style_parameters("crop", np.random.default_rng(0))
-    benchmark(scalp_mask, hair, points)
-    painted, whole = cpu_s(lambda: scalp_mask(hair, points)), cpu_s(lambda: sample_head(0), 2)
+    benchmark(scalp.paint, hair)
+    painted, whole = cpu_s(lambda: scalp.paint(hair)), cpu_s(lambda: sample_head(0), 2)
     sys.stdout.write(f"\nroots: {1e3 * painted:.0f} ms, {painted / whole:.0%} of a whole head\n")
