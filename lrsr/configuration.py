@@ -20,7 +20,8 @@ def section(schema: type[Schema], config: "DictConfig", key: str) -> Schema:
     from omegaconf.errors import OmegaConfBaseException
 
     try:
-        merged = OmegaConf.merge(OmegaConf.structured(schema), config[key])
+        given = OmegaConf.to_container(config[key], resolve=True)  # while it has its parents
+        merged = OmegaConf.merge(OmegaConf.structured(schema), given)
         values = OmegaConf.to_container(merged, resolve=True)
     except OmegaConfBaseException as error:
         place = getattr(error, "full_key", None)

@@ -120,7 +120,13 @@ def _train_recognition(config: "DictConfig") -> Path:
     folder = _run_folder()
     used = ("seed", "identities", "rendering", "camera", "paths", "recognition", "resume")
     write_provenance(folder, OmegaConf.masked_copy(config, list(used)))
-    return train_embedder(folder, RenderCache(_cache(config)), faces=faces, training=training)
+    return train_embedder(
+        folder,
+        RenderCache(_cache(config)),
+        faces=faces,
+        training=training,
+        resume=bool(config.resume),
+    )
 
 
 def _instantiate(config: "DictConfig") -> Any:
