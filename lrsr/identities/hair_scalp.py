@@ -105,7 +105,8 @@ class Scalp:
         Returns:
             ``(H, W)`` float32, 0 = bare skin, 1 = all hair; fades over about 8 mm in strokes.
         """
-        azimuth: Floats = (np.arange(_FINE) * (360.0 / _FINE) + 180.0) % 360.0 - 180.0
+        around = np.arange(_FINE, dtype=np.float64) * (360.0 / _FINE)
+        azimuth = np.asarray((around + 180.0) % 360.0 - 180.0)
         line = hairline_polar(azimuth, parameters)[self._column]
         stroke = _strokes(np.random.default_rng([seed, 5])).ravel()[self._stroke]
         inside_mm = (line - self._polar) * MM_PER_DEG
