@@ -21,8 +21,9 @@ from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker
 from lrsr.data.patches import PairDataset, PatchDataset, cut_patches, luminance_pair
 from lrsr.data.probes import load_probes, render_missing, stack
-from lrsr.data.recipe import ProbeRecipe, Split, derived_seed
+from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.errors import InputError
+from lrsr.identities.splits import Split
 from lrsr.paths import cache_folder
 from lrsr.rendering.geometry import film_size_px
 
@@ -188,8 +189,7 @@ class ProbeDataModule(LightningDataModule):
             lighting=lighting,
             ipd_px=ipd_px,
             scale=film,
-            seed=derived_seed(self.seed, split, index, pose, lighting, ipd_px, film),
-        )
+        ).seeded(self.seed)
 
     def prepare_data(self) -> None:
         """Render what the cache lacks; stopped at any moment, the next call goes on.

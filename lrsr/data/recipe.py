@@ -7,11 +7,10 @@ from dataclasses import asdict, dataclass, is_dataclass, replace
 from typing import Any, Literal
 
 from lrsr.errors import InputError
+from lrsr.identities.splits import SPLITS, Split
 from lrsr.rendering.scene import Lighting, Pose, find_lighting, find_pose
 
-Split = Literal["train", "validation", "test"]
 Kind = Literal["probe", "gallery"]
-SPLITS = ("train", "validation", "test")
 KINDS = ("probe", "gallery")
 SCALES = (1, 2, 4)
 
@@ -79,6 +78,17 @@ class ProbeRecipe:
             'test-00007'
         """
         return f"{self.split}-{self.index:05d}"
+
+    def seeded(self, seed: int) -> "ProbeRecipe":
+        """Return the same picture with a sampler's seed that follows from the run's.
+
+        Two pictures with one sampler seed would carry the same noise pattern.
+
+        Args:
+            seed: The run's; whatever else is different about the picture changes it too.
+        """
+        what = (self.split, self.index, self.kind, self.pose, self.lighting)
+        return replace(self, seed=derived_seed(seed, *what, self.ipd_px, self.scale))
 
     def plain(self, versions: Mapping[str, str]) -> dict[str, Any]:
         """Return everything that changes the pixels, as numbers, strings, lists and mappings.

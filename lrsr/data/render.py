@@ -15,9 +15,10 @@ from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.manifest import MANIFEST, ManifestRow, read_manifest, write_manifest
 from lrsr.data.png import write_png
 from lrsr.data.probes import Probe, load_radiances, photograph, render_missing
-from lrsr.data.recipe import Kind, ProbeRecipe, Split, derived_seed
+from lrsr.data.recipe import Kind, ProbeRecipe
 from lrsr.errors import InputError
 from lrsr.files import sweep
+from lrsr.identities.splits import Split
 from lrsr.paths import cache_folder
 from lrsr.rendering.radiance import Radiance
 
@@ -95,7 +96,6 @@ class RenderSettings:
 
     def recipes(self, scale: int) -> list[ProbeRecipe]:
         """Return what everybody is rendered as, on a film of that scale."""
-        condition = (self.kind, self.pose, self.lighting, float(self.ipd_px), scale)
         return [
             ProbeRecipe(
                 split=self.split,
@@ -106,11 +106,10 @@ class RenderSettings:
                 ipd_px=self.ipd_px,
                 scale=scale,
                 samples_per_pixel=self.samples_per_pixel,
-                seed=derived_seed(self.seed, self.split, index, *condition),
                 texture_size=self.texture_size,
                 skin=self.skin,
                 max_depth=self.max_depth,
-            )
+            ).seeded(self.seed)
             for index in range(self.start, self.start + self.count)
         ]
 

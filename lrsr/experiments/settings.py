@@ -3,13 +3,16 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from lrsr.camera.codec import COMPRESSIONS
 from lrsr.configuration import number, numbers, require, section, whole_number, whole_numbers, words
+from lrsr.identities.splits import SPLITS
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-COMPRESSIONS = ("none", "small", "heavy")
-SPLITS = ("train", "validation", "test")
+
+LEAST_SAMPLES = 64
+"""Samples per pixel of a large face, unless it is told to take fewer."""
 
 
 @dataclass(frozen=True)
@@ -31,13 +34,26 @@ class RenderingSettings:
     """How light becomes a film; see ``conf/rendering``."""
 
     skin: str = "reflective"
-    samples_per_pixel: int = 2048
+    samples_per_pixel: int = 512
     max_depth: int = 5
     texture_size: int = 512
 
     def __post_init__(self) -> None:
         for key in ("samples_per_pixel", "max_depth", "texture_size"):
             require(getattr(self, key) >= 1, f"rendering.{key}", getattr(self, key), "at least 1")
+
+    def samples_at(self, ipd_px: float) -> int:
+        """Return the samples per pixel of a probe of that size.
+
+        ``samples_per_pixel`` is that of 8 px; a larger face gets the same number of rays, so that
+        it is as free of noise after alignment, but at least :data:`LEAST_SAMPLES`.
+
+        Example:
+            >>> RenderingSettings(samples_per_pixel=512).samples_at(16)
+            128
+        """
+        fair = round(self.samples_per_pixel * min(1.0, 8 / ipd_px) ** 2)
+        return min(self.samples_per_pixel, max(fair, LEAST_SAMPLES))
 
 
 @dataclass(frozen=True)
@@ -83,7 +99,7 @@ class Condition:
             self.compression in COMPRESSIONS,
             "compression",
             self.compression,
-            f"one of {COMPRESSIONS}",
+            f"one of {tuple(COMPRESSIONS)}",
         )
 
 

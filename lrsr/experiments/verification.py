@@ -18,7 +18,6 @@ from lrsr.camera import Camera
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker
 from lrsr.data.probes import Probe, ProbeRecipe, load_probes, render_missing, stack
-from lrsr.data.recipe import derived_seed
 from lrsr.evaluation.quality import psnr_y
 from lrsr.experiments.settings import Condition, VerificationSettings
 from lrsr.experiments.table import Comparison, Row, compare_methods, make_row, mean_psnr_db
@@ -100,7 +99,7 @@ class Verification:
             lighting=condition.lighting,
             ipd_px=condition.ipd_px,
             scale=scale,
-            samples_per_pixel=self.settings.rendering.samples_per_pixel,
+            samples_per_pixel=self.settings.rendering.samples_at(condition.ipd_px),
         )
 
     def outcomes(self) -> Iterator[Outcome]:
@@ -149,11 +148,8 @@ class Verification:
             "skin": rendering.skin,
             "max_depth": rendering.max_depth,
         }
-        words = [str(what[key]) for key in ("kind", "pose", "lighting", "ipd_px")]
         return [
-            ProbeRecipe(
-                index=index, seed=derived_seed(self.settings.seed, index, *words), **fixed, **what
-            )
+            ProbeRecipe(index=index, **fixed, **what).seeded(self.settings.seed)
             for index in range(people.start, people.start + people.count)
         ]
 

@@ -17,9 +17,10 @@ from lrsr.camera import Camera
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.probes import Probe, load_probes, render_missing
-from lrsr.data.recipe import ProbeRecipe, Split, derived_seed
+from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.data.variety import random_lighting, random_pose
 from lrsr.errors import InputError
+from lrsr.identities.splits import Split
 from lrsr.images import scale_points
 from lrsr.recognition.alignment import align
 

@@ -25,7 +25,7 @@ def test_eval_without_arguments_is_option_1_at_ipd_8_with_100_identities() -> No
     settings = verification_settings(composed())
     assert settings.identities == IdentityRange("test", 0, 100)
     assert settings.conditions == (Condition(1, 8.0, "frontal", "frontal", "none"),)
-    assert settings.rendering.samples_per_pixel == 2048
+    assert settings.rendering.samples_per_pixel == 512
 
 
 def test_demo_has_24_identities_and_all_six_methods() -> None:
