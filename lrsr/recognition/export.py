@@ -59,9 +59,10 @@ def export_embedder(backbone: Backbone, path: Path, *, antialias: bool, source: 
 
 
 def _write_onnx(network: Backbone, path: Path) -> None:
-    exporter = logging.getLogger("torch.onnx")
-    level = exporter.level
-    exporter.setLevel(logging.ERROR)
+    talkers = [logging.getLogger(name) for name in ("torch.onnx", "onnxscript", "onnx_ir")]
+    levels = [talker.level for talker in talkers]
+    for talker in talkers:
+        talker.setLevel(logging.ERROR)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the exporter's own, about its own dependencies
@@ -77,7 +78,8 @@ def _write_onnx(network: Backbone, path: Path) -> None:
                 verbose=False,
             )
     finally:
-        exporter.setLevel(level)
+        for talker, level in zip(talkers, levels, strict=True):
+            talker.setLevel(level)
 
 
 def _difference(network: Backbone, embedder: Embedder) -> float:

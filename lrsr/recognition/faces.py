@@ -58,16 +58,16 @@ class FaceSettings:
         InputError: A value is out of its range.
     """
 
-    identities: int = 600
+    identities: int = 560
     start: int = 0
     sharp_views: int = 4
     small_views: int = 2
     sharp_ipd_px: tuple[float, float] = (32.0, 36.0)
     small_ipd_px: tuple[float, float] = (7.0, 16.0)
-    sharp_samples: int = 32
-    small_samples: int = 128
-    validation_identities: int = 64
-    validation_samples: int = 512
+    sharp_samples: int = 16
+    small_samples: int = 96
+    validation_identities: int = 60
+    validation_samples: int = 256
     texture_size: int = 512
     skin: str = "reflective"
     max_depth: int = 5

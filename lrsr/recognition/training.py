@@ -2,8 +2,9 @@
 
 import json
 import logging
+import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -98,7 +99,7 @@ def train_embedder(
         faces: Who and how many.
         training: How they are learned.
         resume: Go on from the folder's last.ckpt where there is one; else begin anew.
-        progress: Show bars on stderr.
+        progress: Show a bar on stderr while rendering.
         maker: Renders; Mitsuba when None.
 
     Returns:
@@ -114,7 +115,7 @@ def train_embedder(
     render_faces(faces, cache, progress=progress, maker=maker)
     crops = load_training_faces(faces, cache, progress=progress, maker=maker)
     validation = load_validation_faces(faces, cache, progress=progress, maker=maker)
-    best = _fit(folder, faces, training, crops, validation, progress=progress)
+    best = _fit(folder, faces, training, crops, validation)
     return _finish(folder, best, validation, record)
 
 
@@ -177,11 +178,24 @@ class _Record(lightning.Callback):
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / "metrics.json"
+        self.times_s: list[float] = []
+
+    def on_train_start(self, trainer: Any, pl_module: Any) -> None:
+        self.times_s = [time.monotonic()]
 
     def on_train_epoch_end(self, trainer: Any, pl_module: Any) -> None:
         logged = {name: float(value) for name, value in trainer.callback_metrics.items()}
         pl_module.history.append({"epoch": trainer.current_epoch, **logged})
         write_json(self.path, {"finished": False, "history": pl_module.history})
+        self._tell(trainer.current_epoch + 1, trainer.max_epochs, logged)
+
+    def _tell(self, done: int, epochs: int, logged: Mapping[str, float]) -> None:
+        """Say how it goes and how long it will take, a line an epoch."""
+        self.times_s.append(time.monotonic())
+        epoch_s = (self.times_s[-1] - self.times_s[0]) / (len(self.times_s) - 1)
+        values = [f"{name.split('/')[1]} {value:.3f}" for name, value in sorted(logged.items())]
+        left_min = (epochs - done) * epoch_s / 60
+        logger.info("epoch %d of %d: %s; %.1f min left", done, epochs, ", ".join(values), left_min)
 
 
 def _claim(folder: Path, record: dict[str, Any], *, resume: bool) -> None:
@@ -207,9 +221,8 @@ def _fit(
     training: TrainingSettings,
     crops: Faces,
     validation: dict[str, torch.Tensor],
-    *,
-    progress: bool,
 ) -> Path:
+    logging.getLogger("lightning.pytorch").setLevel(logging.WARNING)  # it advertises
     data = _FacesData(crops, validation, training)
     module = ArcFaceModule(
         people=faces.identities,
@@ -235,7 +248,7 @@ def _fit(
         precision=_precision(training.precision),
         callbacks=[_Record(folder), best, latest],
         logger=False,
-        enable_progress_bar=progress,
+        enable_progress_bar=False,
         enable_model_summary=False,
         num_sanity_val_steps=0,
         reload_dataloaders_every_n_epochs=1,
@@ -245,6 +258,7 @@ def _fit(
         # Batches are made in this process: on two cores a second one only takes turns with it.
         warnings.filterwarnings("ignore", ".*does not have many workers.*")
         warnings.filterwarnings("ignore", ".*Checkpoint directory .* exists.*")
+        warnings.filterwarnings("ignore", ".*LeafSpec.*")  # Lightning against a newer torch
         try:
             trainer.fit(
                 module,

@@ -4,6 +4,7 @@ Run with ``pytest tests/benchmarks/test_embedding_speed.py --benchmark-enable -s
 CPU milliseconds a face and the ratio to the named reference, timed in the same process.
 """
 
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -48,7 +49,8 @@ def test_alignment(benchmark: BenchmarkFixture) -> None:
 
     benchmark(align, PROBES, LANDMARKS, antialias=False)
     ours = cpu_ms(lambda: align(PROBES, LANDMARKS, antialias=False))
-    print(f"alignment: {ours:.2f} ms a face, {ours / cpu_ms(opencv):.1f} times OpenCV's warpAffine")
+    ratio = ours / cpu_ms(opencv)
+    sys.stdout.write(f"\nalignment: {ours:.2f} ms a face, {ratio:.1f} times OpenCV's warpAffine\n")
 
 
 @pytest.mark.benchmark(group="embed")
@@ -63,8 +65,9 @@ def test_embedding(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
 
     benchmark(embedder, CROPS)
     ours = cpu_ms(lambda: embedder(CROPS))
-    print(
-        f"embedding: {ours:.2f} ms a face, {ours / cpu_ms(bare):.2f} times the network in PyTorch"
+    ratio = ours / cpu_ms(bare)
+    sys.stdout.write(
+        f"\nembedding: {ours:.2f} ms a face, {ratio:.2f} times the network in PyTorch\n"
     )
 
 
@@ -85,7 +88,7 @@ def test_training_step(benchmark: BenchmarkFixture) -> None:
 
     benchmark(step)
     ours, plain = cpu_ms(step), cpu_ms(lambda: learn(CROPS, False))
-    print(
-        f"training: {ours:.2f} ms a face with its degradation, bfloat16 {has_bfloat16()}; "
-        f"{ours / plain:.2f} times the float32 step without degradation"
+    sys.stdout.write(
+        f"\ntraining: {ours:.2f} ms a face with its degradation, bfloat16 {has_bfloat16()}; "
+        f"{ours / plain:.2f} times the float32 step without degradation\n"
     )

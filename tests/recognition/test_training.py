@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 pytestmark = [
     # Lightning and PyTorch about themselves; what they say changes nothing here.
-    pytest.mark.filterwarnings("ignore:.*LeafSpec.*"),
     pytest.mark.filterwarnings("ignore:.*lr_scheduler.step.*"),
 ]
 
