@@ -26,7 +26,7 @@ _WEIGHTS: dict[str, tuple[float, float]] = {
     "afro": (0.15, 0.3),
     "pixie": (0.3, 0.9),
     "curtain": (0.6, 0.4),
-    "bob": (0.1, 1.6),
+    "bob": (0.1, 1.2),
     "long_straight": (0.2, 1.5),
     "long_wavy": (0.2, 1.6),
     "fringe": (0.05, 1.3),

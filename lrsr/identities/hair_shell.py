@@ -29,6 +29,7 @@ BEYOND_MM = (3.0, 6.5, 10.0)
 hairline they are half as long."""
 
 _MOST_HANG_MM = 32.0
+_HANG_AFTER_MM = 70.0
 _CRANIUM = slice(0, 30)
 
 
@@ -171,7 +172,8 @@ def _hang(parameters: Mapping[str, Any], bed: _Bed, paths: Paths, course: Course
     flat = points[..., [0, 2]] - bed.centre[[0, 2]]
     radius = np.where(leaves, surface, np.linalg.norm(flat, axis=-1))
     widest = np.maximum.accumulate(radius, axis=1)
-    radius += parameters["hang"] * np.minimum(widest - radius, _MOST_HANG_MM)
+    off = smoothstep(course.down / _HANG_AFTER_MM) * parameters["hang"]
+    radius += off * np.minimum(widest - radius, _MOST_HANG_MM)
     hanging = np.stack(
         [
             bed.centre[0] + heading[:, :1] * radius,

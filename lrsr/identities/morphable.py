@@ -36,7 +36,7 @@ from lrsr.identities.proportions import load_gauge
 from lrsr.identities.relief import displace
 from lrsr.identities.shape import RACES, coefficients, sample_anatomy
 
-RECIPE_VERSION = "3"
+RECIPE_VERSION = "4"
 """Changes whenever the same seed would give other pixels."""
 
 STREAMS = ("person", "anatomy", "appearance", "hair", "eyes")
