@@ -45,7 +45,7 @@ def test_cfg_job_prints_the_configuration_from_an_empty_folder(
         (["eval", "identities=nobody"], "nobody"),
         (["eval", "identities.count=many"], "count"),
         (["eval", "identities.count=0"], "identities.count"),
-        (["eval", "identities.count=[1"], "identities.count"),
+        (["eval", "identities.count=[1"], "input '[1'"),
         (["eval", "methods=[magic]"], "magic"),
         (["eval", "options=[7]"], "options"),
         (["eval", "ipd_px=-1"], "ipd_px"),
