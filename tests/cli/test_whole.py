@@ -1,0 +1,72 @@
+"""The whole line, tiny and real: render, train, enhance, evaluate, as a user would type it."""
+
+import csv
+import json
+from pathlib import Path
+
+import cv2
+import pytest
+
+from lrsr.cli import main
+
+TINY = ["rendering.samples_per_pixel=16", "rendering.texture_size=64"]
+
+
+@pytest.fixture(autouse=True)
+def somewhere(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run from an empty folder; all tests here share one render cache."""
+    shared = tmp_path_factory.getbasetemp() / "whole-cache"
+    monkeypatch.setenv("LRSR_CACHE", str(shared))
+    monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
+
+
+def last_line(capsys: pytest.CaptureFixture[str]) -> Path:
+    return Path(capsys.readouterr().out.strip().splitlines()[-1])
+
+
+def test_render_writes_pictures_and_manifest(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["render", "identities.count=2", "scales=[1,2]", "compression=heavy", "out=probes"]
+    assert main([*words, *TINY]) == 0
+    folder = last_line(capsys)
+    rows = list(csv.DictReader((folder / "manifest.csv").open()))
+    assert [row["scale"] for row in rows].count("2") == 2
+    sizes = {row["scale"]: cv2.imread(str(folder / row["file"])).shape for row in rows}
+    assert sizes == {"1": (32, 32, 3), "2": (64, 64, 3)}
+    assert all(len(row["landmarks_px"].split()) == 10 for row in rows)
+
+
+def test_eval_writes_results_and_report(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["eval", "+debug=smoke", "options=[1,6]", "methods=[base,bicubic2,srcnn2]"]
+    assert main(words) == 0
+    folder = last_line(capsys)
+    results = json.loads((folder / "results.json").read_text())
+    assert [(row["option"], row["method"]) for row in results["rows"]] == [
+        (option, method) for option in (1, 6) for method in ("base", "bicubic2", "srcnn2")
+    ]
+    assert {path.name for path in folder.iterdir()} == {
+        "config.yaml", "versions.json", "results.json", "report.html",
+    }  # fmt: skip
+
+
+def test_train_leaves_weights_that_eval_would_take(capsys: pytest.CaptureFixture[str]) -> None:
+    small = ["identities.count=2", "data.views=1", "data.ipd_px=8", "sr.epochs=1"]
+    assert main(["train", "sr=srcnn2x", *small, *TINY]) == 0
+    folder = last_line(capsys)
+    assert {"model.onnx", "best.ckpt", "metrics.json"} <= {path.name for path in folder.iterdir()}
+    assert json.loads((folder / "metrics.json").read_text())["identities"] == 2
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["train", "sr=srcnn4x", "recognition=arcface"],
+        ["train", "sr=bicubic4"],
+        ["train", "recognition=embedder"],
+    ],
+    ids=" ".join,
+)
+def test_train_refuses_what_cannot_be_trained(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 2
+    assert "give" in capsys.readouterr().err
