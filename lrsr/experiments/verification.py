@@ -142,14 +142,14 @@ class Verification:
 
     def _recipes(self, **what: Any) -> list[ProbeRecipe]:
         people, rendering = self.settings.identities, self.settings.rendering
-        fixed = {
+        what |= {
             "split": people.split,
             "texture_size": rendering.texture_size,
             "skin": rendering.skin,
             "max_depth": rendering.max_depth,
         }
         return [
-            ProbeRecipe(index=index, **fixed, **what).seeded(self.settings.seed)
+            ProbeRecipe(index=index, **what).seeded(self.settings.seed)
             for index in range(people.start, people.start + people.count)
         ]
 
