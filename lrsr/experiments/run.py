@@ -12,6 +12,7 @@ from lrsr.camera import Camera
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker
 from lrsr.evaluation.roc import trace_roc
+from lrsr.experiments.contact_sheet import write_contact_sheet
 from lrsr.experiments.report import Panel, Report, write_report
 from lrsr.experiments.settings import VerificationSettings
 from lrsr.experiments.table import Row
@@ -54,7 +55,7 @@ def verify(
 
     Args:
         settings: What is asked.
-        folder: Of the run; receives ``results.json`` and ``report.html``.
+        folder: Of the run; receives ``results.json``, ``report.html`` and ``faces_1.png``, ...
         cache: Folder of the render cache.
         camera: Takes every picture.
         model: ONNX embedder with its contract beside it; None: the one that ships.
@@ -81,7 +82,8 @@ def verify(
     )
     write_json(folder / "results.json", results(settings, engine, outcomes))
     write_report(folder, report(settings, engine, outcomes))
-    for outcome in outcomes:
+    for number, outcome in enumerate(outcomes, start=1):
+        write_contact_sheet(folder / f"faces_{number}.png", outcome.pictures)
         for row in outcome.rows:
             logger.info("%s", _line(row))
     return folder

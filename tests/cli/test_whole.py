@@ -44,7 +44,7 @@ def test_eval_writes_results_and_report(capsys: pytest.CaptureFixture[str]) -> N
         (option, method) for option in (1, 6) for method in ("base", "bicubic2", "srcnn2")
     ]
     assert {path.name for path in folder.iterdir()} == {
-        "config.yaml", "versions.json", "results.json", "report.html",
+        "config.yaml", "versions.json", "results.json", "report.html", "faces_1.png", "faces_2.png",
     }  # fmt: skip
 
 
