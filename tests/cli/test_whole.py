@@ -28,7 +28,7 @@ def test_render_writes_pictures_and_manifest(capsys: pytest.CaptureFixture[str])
     words = ["render", "identities.count=2", "scales=[1,2]", "compression=heavy", "out=probes"]
     assert main([*words, *TINY]) == 0
     folder = last_line(capsys)
-    rows = list(csv.DictReader((folder / "manifest.csv").open()))
+    rows = list(csv.DictReader((folder / "manifest.csv").read_text().splitlines()))
     assert [row["scale"] for row in rows].count("2") == 2
     sizes = {row["scale"]: cv2.imread(str(folder / row["file"])).shape for row in rows}
     assert sizes == {"1": (32, 32, 3), "2": (64, 64, 3)}
