@@ -87,3 +87,14 @@ def test_ctrl_c_is_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("lrsr.cli._run", interrupt)
     assert main(["eval"]) == 130
+
+
+def test_a_reader_that_stops_early_is_no_fault(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "lrsr", "eval", "--help"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as writer:
+        assert writer.stdout is not None
+        assert writer.stderr is not None
+        writer.stdout.close()
+        assert writer.stderr.read() == ""
