@@ -3,8 +3,10 @@
 import logging
 import warnings
 from pathlib import Path
+from typing import cast
 
 import numpy as np
+import onnx
 import torch
 
 from lrsr.files import replacing, write_text
@@ -66,10 +68,9 @@ def _write_onnx(network: Backbone, path: Path) -> None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the exporter's own, about its own dependencies
-            torch.onnx.export(
+            program = torch.onnx.export(
                 network,
                 (torch.zeros(2, 3, CROP_PX, CROP_PX),),
-                str(path),
                 input_names=["faces"],
                 output_names=["embeddings"],
                 dynamic_shapes={"faces": {0: torch.export.Dim("batch")}},
@@ -80,6 +81,11 @@ def _write_onnx(network: Backbone, path: Path) -> None:
     finally:
         for talker, level in zip(talkers, levels, strict=True):
             talker.setLevel(level)
+    model: onnx.ModelProto = cast("torch.onnx.ONNXProgram", program).model_proto
+    graph = model.graph
+    for part in (*graph.node, *graph.input, *graph.output, *graph.value_info):
+        del part.metadata_props[:]  # they hold stack traces, with the paths of this machine
+    path.write_bytes(model.SerializeToString())
 
 
 def _difference(network: Backbone, embedder: Embedder) -> float:

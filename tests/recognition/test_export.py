@@ -46,6 +46,12 @@ def test_the_file_stands_alone_and_is_small(exported: Path) -> None:
     assert exported.stat().st_size < 5e6
 
 
+def test_the_file_holds_no_paths_of_the_machine_that_made_it(exported: Path) -> None:
+    content = exported.read_bytes()
+    assert b"stack_trace" not in content
+    assert str(Path(export.__file__).parent).encode() not in content
+
+
 def test_a_model_that_computes_something_else_is_not_shipped(
     exported: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
