@@ -36,7 +36,7 @@ from lrsr.identities.proportions import load_gauge
 from lrsr.identities.relief import displace
 from lrsr.identities.shape import RACES, coefficients, sample_anatomy
 
-RECIPE_VERSION = "4"
+RECIPE_VERSION = "5"
 """Changes whenever the same seed would give other pixels."""
 
 STREAMS = ("person", "anatomy", "appearance", "hair", "eyes")
@@ -61,6 +61,12 @@ def stream(seed: int, name: str) -> Generator:
     return np.random.default_rng([seed, STREAMS.index(name)])
 
 
+def _sample_masculinity(rng: Generator) -> float:
+    """Draw a woman (0.02 to 0.25) or a man (0.75 to 0.98), evenly."""
+    degree = 0.5 + 0.48 * float(rng.beta(2.0, 1.2))
+    return 0.5 + 0.5 * degree if rng.random() < 0.5 else 0.5 - 0.5 * degree
+
+
 def sample_parameters(seed: int) -> dict[str, Any]:
     """Draw everything about a person, as plain numbers and names.
 
@@ -76,7 +82,7 @@ def sample_parameters(seed: int) -> dict[str, Any]:
         ValueError: The seed is negative.
     """
     rng = stream(seed, "person")
-    masculinity = float(np.clip(rng.beta(0.35, 0.35), 0.04, 0.96))
+    masculinity = _sample_masculinity(rng)
     age = float(rng.beta(1.1, 1.5))
     shares = rng.dirichlet([0.45] * len(RACES))
     ancestry = {race: float(share) for race, share in zip(RACES, shares, strict=True)}
