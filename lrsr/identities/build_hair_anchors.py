@@ -1,6 +1,6 @@
 """How is ``lrsr/assets/hair_anchors.npz`` made? ``python -m lrsr.identities.build_hair_anchors``.
 
-From the average adult of :mod:`lrsr.identities.morphable` alone: the ears are the vertices that
+From the average adult of :mod:`lrsr.identities.template` alone: the ears are the vertices that
 the ear targets of the shape space move; :mod:`lrsr.identities.hair_anchors` casts the rays. Run it
 again whenever ``head_basis.npz`` changes; a test compares the two.
 """
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lrsr.files import replacing
 from lrsr.identities.basis import Basis, load_basis
 from lrsr.identities.hair_anchors import ASSET_NAME, Anchors, anchor_arrays, build_anchors
-from lrsr.identities.morphable import template
+from lrsr.identities.template import template
 from lrsr.paths import PACKAGE
 
 EAR_MOTION_MM = 7.5

@@ -7,7 +7,6 @@ All people are adults.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -17,17 +16,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.appearance import SkinPainter, sample_appearance
 from lrsr.identities.basis import BaseHead, Basis, load_basis
-from lrsr.identities.eyes import (
-    Eyes,
-    LashMesh,
-    Lids,
-    clear_lids,
-    eyeball_vertices,
-    find_eyes,
-    find_lids,
-    make_lashes,
-    unit_ball,
-)
+from lrsr.identities.eyes import Eyes, clear_lids, eyeball_vertices, find_eyes, unit_ball
 from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
@@ -35,6 +24,7 @@ from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outsi
 from lrsr.identities.proportions import load_gauge
 from lrsr.identities.relief import displace
 from lrsr.identities.shape import RACES, coefficients, sample_anatomy
+from lrsr.identities.template import template
 
 RECIPE_VERSION = "5"
 """Changes whenever the same seed would give other pixels."""
@@ -112,26 +102,6 @@ def sample_parameters(seed: int) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class Template:
-    """The average adult: features are drawn on it, whoever will wear them.
-
-    Its axes are those of the head frame, its origin lies where the middle between its pupils would
-    be if it looked straight ahead: the *template's millimetres* of brows, beards and hair.
-
-    Attributes:
-        skin: ``(V, 3)`` render vertices, mm.
-        eyes: Its eyes.
-        lids: Its skin around the eyes.
-        lashes: How lashes hang on the lash strips.
-    """
-
-    skin: NDArray[np.float64]
-    eyes: Eyes
-    lids: Lids
-    lashes: LashMesh
-
-
 def _head_frame(eyes: Eyes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return rotation and origin that put the pupils on the x axis, their middle at the origin."""
     left, right = eyes.pupils
@@ -149,19 +119,6 @@ def _in_head_frame(basis: Basis, weights: NDArray[np.float64]) -> tuple[BaseHead
     rotation, origin = _head_frame(eyes)
     moved = BaseHead(*((part - origin) @ rotation.T for part in shaped))
     return moved, eyes.moved(rotation, origin)
-
-
-@lru_cache(maxsize=1)
-def template() -> Template:
-    """Return the average adult; later calls are free."""
-    basis = load_basis()
-    head = basis.shape(basis.neutral)
-    eyes = find_eyes(basis, head)
-    origin = eyes.centres.mean(axis=0)
-    origin[2] += eyes.radii.mean()
-    head, eyes = BaseHead(*(part - origin for part in head)), eyes.moved(np.eye(3), origin)
-    skin = basis.surface.matrix @ head.skin
-    return Template(skin, eyes, find_lids(skin, eyes), make_lashes(basis, head, eyes))
 
 
 @lru_cache(maxsize=4)

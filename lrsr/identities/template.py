@@ -1,0 +1,43 @@
+"""Who is the average adult? The head that features are drawn on and that others are judged by."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lrsr.identities.basis import BaseHead, load_basis
+from lrsr.identities.eyes import Eyes, LashMesh, Lids, find_eyes, find_lids, make_lashes
+
+
+@dataclass(frozen=True)
+class Template:
+    """The average adult: features are drawn on it, whoever will wear them.
+
+    Its axes are those of the head frame, its origin lies where the middle between its pupils would
+    be if it looked straight ahead: the *template's millimetres* of brows, beards and hair.
+
+    Attributes:
+        skin: ``(V, 3)`` render vertices, mm.
+        eyes: Its eyes.
+        lids: Its skin around the eyes.
+        lashes: How lashes hang on the lash strips.
+    """
+
+    skin: NDArray[np.float64]
+    eyes: Eyes
+    lids: Lids
+    lashes: LashMesh
+
+
+@lru_cache(maxsize=1)
+def template() -> Template:
+    """Return the average adult; later calls are free."""
+    basis = load_basis()
+    head = basis.shape(basis.neutral)
+    eyes = find_eyes(basis, head)
+    origin = eyes.centres.mean(axis=0)
+    origin[2] += eyes.radii.mean()
+    head, eyes = BaseHead(*(part - origin for part in head)), eyes.moved(np.eye(3), origin)
+    skin = basis.surface.matrix @ head.skin
+    return Template(skin, eyes, find_lids(skin, eyes), make_lashes(basis, head, eyes))
