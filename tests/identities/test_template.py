@@ -17,7 +17,7 @@ def test_the_template_is_as_large_as_an_adult() -> None:
 def test_the_template_is_the_same_on_both_sides() -> None:
     skin = template().skin
     away, _ = cKDTree(skin).query(skin * (-1.0, 1.0, 1.0))
-    assert away.max() < 3.0
+    assert np.percentile(away, 99) < 0.5  # the lips alone are not quite even
     np.testing.assert_allclose(skin.mean(axis=0)[0], 0.0, atol=0.5)
 
 
