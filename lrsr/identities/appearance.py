@@ -14,8 +14,6 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from lrsr.identities import beard as beards
-from lrsr.identities import brows as eyebrows
 from lrsr.identities import regions
 from lrsr.identities.beard import Beard, sample_beard
 from lrsr.identities.brows import Brows, sample_brows
@@ -28,13 +26,12 @@ from lrsr.identities.complexion import (
     sample_lips,
     sample_make_up,
 )
-from lrsr.identities.hair_colour import HairColour, hair_rgb, sample_hair_colour
+from lrsr.identities.features import FeaturePainter
+from lrsr.identities.hair_colour import HairColour, sample_hair_colour
 from lrsr.identities.iris import Iris, sample_iris
 from lrsr.identities.lines import ALBEDO_PER_MM, Lines, draw_lines, sample_lines
 from lrsr.identities.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_marks, sample_marks
 from lrsr.identities.skin_tone import tone_map
-
-_WARM = np.array([1.0, 0.9, 0.8], dtype=np.float32)  # skin shines through white brows
 
 
 class Appearance(TypedDict):
@@ -129,17 +126,16 @@ class SkinPainter:
         if not mask.any():
             raise ValueError("the mask is empty: no texel lies on the skin")
         position = _fill_outside(position_map, mask)
-        self._texel_mm = _texel_size(position, mask)
+        vertices = np.zeros((0, 3)) if vertices is None else vertices
         self._texels = _Places(position)
-        self._vertices = _Places(np.zeros((0, 3)) if vertices is None else vertices)
+        self._vertices = _Places(vertices)
+        self._features = FeaturePainter(position, vertices, _texel_size(position, mask))
         self._noise_pixels = _noise_pixels(position)
         self._regions = regions.blood_regions(position)
         self._contact = regions.lip_contact(position) * self._texels.lips
         self._nostrils = regions.nostrils(position)
         front = self._texels.front
         self._waterline = regions.lid_margin(self._texels.face_pixels, 1.2) * front
-        self._liner = regions.lid_margin(self._texels.face_pixels, 2.4, upper=True) * front
-        self._shadow = beards.shadow_mask(self._texels.beard_zones)
 
     def paint(self, appearance: Appearance, seed: int) -> SkinMaps:
         """Paint one person.
@@ -156,10 +152,11 @@ class SkinPainter:
         albedo = self._paint_tone(appearance, of_tone)
         groove = regions.FACE.sample(heights, self._texels.face_pixels) * self._texels.front
         albedo *= np.exp(np.float32(ALBEDO_PER_MM) * groove)[..., None]
-        self._paint_make_up(albedo, appearance["make_up"])
-        tufts = self._paint_beard(albedo, appearance, of_beard)
-        self._paint_brows(albedo, appearance, of_brows)
-        return SkinMaps(np.clip(albedo, 0.0, 1.0), self._displace(appearance, heights, tufts))
+        hair = appearance["hair_colour"]
+        self._features.paint_make_up(albedo, appearance["make_up"])
+        beard = self._features.paint_beard(albedo, appearance["beard"], hair, of_beard)
+        self._features.paint_brows(albedo, appearance["brows"], hair, of_brows)
+        return SkinMaps(np.clip(albedo, 0.0, 1.0), self._displace(heights, beard))
 
     def _paint_tone(self, appearance: Appearance, rng: Generator) -> FloatMap:
         skin, lips = appearance["complexion"], appearance["lips"]
@@ -199,63 +196,12 @@ class SkinPainter:
         )
         return np.ascontiguousarray(noise[..., 0]), np.ascontiguousarray(noise[..., 1])
 
-    def _paint_make_up(self, albedo: FloatMap, make_up: MakeUp) -> None:
-        if make_up["lipstick"] > 0:
-            opacity = np.float32(make_up["lipstick"]) * self._texels.lips
-            opacity *= 1 - np.float32(0.4) * self._contact
-            _cover(albedo, make_up["lipstick_colour"], opacity)
-        if make_up["eyeshadow"] > 0:
-            opacity = np.float32(make_up["eyeshadow"]) * self._regions["lids"]
-            _cover(albedo, make_up["eyeshadow_colour"], opacity)
-        if make_up["eyeliner"] > 0:
-            _cover(albedo, (0.012, 0.010, 0.010), np.float32(make_up["eyeliner"]) * self._liner)
-
-    def _paint_brows(self, albedo: FloatMap, appearance: Appearance, rng: Generator) -> None:
-        canvas = eyebrows.CANVAS
-        sheet = self._soften(eyebrows.draw_brows(appearance["brows"], rng), canvas.pixel_mm)
-        opacity = canvas.sample(sheet, self._texels.brow_pixels).astype(np.float32)
-        opacity *= self._texels.front / np.float32(255)
-        colour = hair_rgb(appearance["hair_colour"], darker=2.4, grey=0.3) * _WARM
-        _cover(albedo, colour * min(1.0, 0.14 / float(colour.max())), opacity)
-
-    def _paint_beard(
-        self, albedo: FloatMap, appearance: Appearance, rng: Generator
-    ) -> FloatMap | None:
-        """Paint shaven hair and the beard; return how thick it grows on ``JAW``."""
-        beard = appearance["beard"]
-        colour = hair_rgb(appearance["hair_colour"], darker=2.0, grey=beard["grey"])
-        if beard["shadow"] > 0:
-            dark = 1 - min(1.0, 4.0 * float(colour.mean()))
-            opacity = np.float32(0.42 * beard["shadow"] * dark) * self._shadow
-            _cover(albedo, (0.055, 0.058, 0.064), opacity)
-        if beard["kind"] == "none":
-            return None
-        sheet = beards.draw_beard(beard, rng)
-        tufts = beards.thin_out(beard, rng, sheet.shape)
-        sheet = np.asarray(cv2.multiply(sheet, tufts, dtype=cv2.CV_8U), dtype=np.uint8)
-        sheet = self._soften(sheet, beards.JAW.pixel_mm)
-        opacity = beards.JAW.sample(sheet, self._texels.jaw_pixels).astype(np.float32)
-        mask = beards.beard_mask(beard, self._texels.beard_zones)
-        _cover(albedo, colour, beards.feather(opacity / np.float32(255), mask))
-        return tufts
-
-    def _displace(
-        self, appearance: Appearance, heights: FloatMap, tufts: FloatMap | None
-    ) -> FloatMap:
-        places, beard = self._vertices, appearance["beard"]
+    def _displace(self, heights: FloatMap, beard: FloatMap) -> FloatMap:
+        places = self._vertices
         if not len(places.front):
             return np.zeros(0, dtype=np.float32)
-        displacement = regions.FACE.sample(heights, places.face_pixels) * places.front
-        if tufts is not None and beard["kind"] != "stubble":
-            thick = beards.JAW.sample(tufts, places.jaw_pixels)
-            length = np.float32(0.7 * beard["length_mm"] * min(1.0, beard["density"]))
-            displacement += length * thick * beards.beard_mask(beard, places.beard_zones)
-        return np.asarray(displacement, dtype=np.float32)
-
-    def _soften(self, sheet: NDArray[np.uint8], pixel_mm: float) -> NDArray[np.uint8]:
-        """Blur hairs to the size of a texel, so that none is lost between two."""
-        sigma = max(0.3, 0.35 * self._texel_mm / pixel_mm)
-        return np.asarray(cv2.GaussianBlur(sheet, (0, 0), sigma), dtype=np.uint8)
+        grooves = regions.FACE.sample(heights, places.face_pixels) * places.front
+        return np.asarray(grooves + beard, dtype=np.float32)
 
 
 class _Places:
@@ -265,11 +211,8 @@ class _Places:
         position = np.asarray(position, dtype=np.float32)
         self.front = regions.front(position)
         self.face_pixels = regions.FACE.to_pixels(position)
-        self.brow_pixels = eyebrows.CANVAS.to_pixels(position)
-        self.jaw_pixels = beards.JAW.to_pixels(beards.to_jaw(position))
         self.lips = regions.lip_mask(position, self.face_pixels)
         self.bare = self.front * (1 - self.lips)
-        self.beard_zones = beards.beard_zones(position, self.lips)
 
 
 def paint_skin(
@@ -312,12 +255,3 @@ def _texel_size(position: FloatMap, mask: NDArray[np.bool_]) -> float:
     both = mask[:, 1:] & mask[:, :-1] & (position[:, 1:, 2] > -15) & (position[:, 1:, 1] > -110)
     step = np.linalg.norm(np.diff(position, axis=1), axis=-1)[both]
     return float(np.median(step)) if step.size else 1.0
-
-
-def _cover(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
-    """Paint a colour over the albedo in place, within the box that the opacity touches."""
-    rows, columns = (np.flatnonzero(opacity.any(axis=axis)) for axis in (1, 0))
-    if rows.size:
-        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-        part = albedo[box]
-        part += (np.asarray(colour, dtype=np.float32) - part) * opacity[box][..., None]

@@ -1,0 +1,132 @@
+"""What is drawn over the bare skin of a face? Make-up, the beard and the brows.
+
+:class:`FeaturePainter` knows where each of them lies in one texture and on the render mesh; what
+they look like is drawn on their own sheets (``brows``, ``beard``).
+"""
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import ArrayLike, NDArray
+
+from lrsr.identities import beard as beards
+from lrsr.identities import brows as eyebrows
+from lrsr.identities import regions
+from lrsr.identities.beard import Beard
+from lrsr.identities.brows import Brows
+from lrsr.identities.canvas import FloatMap
+from lrsr.identities.complexion import MakeUp
+from lrsr.identities.hair_colour import HairColour, hair_rgb
+
+_WARM = np.array([1.0, 0.9, 0.8], dtype=np.float32)  # skin shines through white brows
+
+
+class FeaturePainter:
+    """Paints make-up, beards and brows of any number of people into one texture layout.
+
+    Args:
+        position: ``(H, W, 3)`` float32, the template point of each texel, mm.
+        vertices: ``(V, 3)``, the template's vertices that beards thicken, mm.
+        texel_mm: Size of a texel on the face, mm, > 0.
+    """
+
+    def __init__(self, position: FloatMap, vertices: NDArray[Any], texel_mm: float) -> None:
+        self._texel_mm = texel_mm
+        face_pixels = regions.FACE.to_pixels(position)
+        self._front = regions.front(position)
+        self._lips = regions.lip_mask(position, face_pixels)
+        self._contact = regions.lip_contact(position) * self._lips
+        self._lids = regions.blood_regions(position)["lids"]
+        self._liner = regions.lid_margin(face_pixels, 2.4, upper=True) * self._front
+        self._brow_pixels = eyebrows.CANVAS.to_pixels(position)
+        self._jaw_pixels = beards.JAW.to_pixels(beards.to_jaw(position))
+        self._zones = beards.beard_zones(position, self._lips)
+        self._shadow = beards.shadow_mask(self._zones)
+        vertices = np.asarray(vertices, dtype=np.float32)
+        self._vertex_pixels = beards.JAW.to_pixels(beards.to_jaw(vertices))
+        vertex_lips = regions.lip_mask(vertices, regions.FACE.to_pixels(vertices))
+        self._vertex_zones = beards.beard_zones(vertices, vertex_lips)
+
+    def paint_make_up(self, albedo: FloatMap, make_up: MakeUp) -> None:
+        """Put make-up on.
+
+        Args:
+            albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
+            make_up: What a person wears.
+        """
+        if make_up["lipstick"] > 0:
+            opacity = np.float32(make_up["lipstick"]) * self._lips
+            opacity *= 1 - np.float32(0.4) * self._contact
+            _cover(albedo, make_up["lipstick_colour"], opacity)
+        if make_up["eyeshadow"] > 0:
+            opacity = np.float32(make_up["eyeshadow"]) * self._lids
+            _cover(albedo, make_up["eyeshadow_colour"], opacity)
+        if make_up["eyeliner"] > 0:
+            _cover(albedo, (0.012, 0.010, 0.010), np.float32(make_up["eyeliner"]) * self._liner)
+
+    def paint_brows(self, albedo: FloatMap, brows: Brows, hair: HairColour, rng: Generator) -> None:
+        """Paint the brows.
+
+        Args:
+            albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
+            brows: A person's brows.
+            hair: The pigments of the hair.
+            rng: Source of randomness of the single hairs.
+        """
+        canvas = eyebrows.CANVAS
+        sheet = self._soften(eyebrows.draw_brows(brows, rng), canvas.pixel_mm)
+        opacity = canvas.sample(sheet, self._brow_pixels).astype(np.float32)
+        opacity *= self._front / np.float32(255)
+        colour = hair_rgb(hair, darker=2.4, grey=0.3) * _WARM
+        _cover(albedo, colour * min(1.0, 0.14 / float(colour.max())), opacity)
+
+    def paint_beard(
+        self, albedo: FloatMap, beard: Beard, hair: HairColour, rng: Generator
+    ) -> FloatMap:
+        """Paint shaven hair and the beard.
+
+        Args:
+            albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
+            beard: A person's beard.
+            hair: The pigments of the hair.
+            rng: Source of randomness of the single hairs.
+
+        Returns:
+            How far the beard stands out at each vertex, ``(V,)`` float32, mm.
+        """
+        relief = np.zeros(len(self._vertex_pixels), dtype=np.float32)
+        colour = hair_rgb(hair, darker=2.0, grey=beard["grey"])
+        if beard["shadow"] > 0:
+            dark = 1 - min(1.0, 4.0 * float(colour.mean()))
+            opacity = np.float32(0.42 * beard["shadow"] * dark) * self._shadow
+            _cover(albedo, (0.055, 0.058, 0.064), opacity)
+        if beard["kind"] == "none":
+            return relief
+        sheet = beards.draw_beard(beard, rng)
+        tufts = beards.thin_out(beard, rng, sheet.shape)
+        sheet = np.asarray(cv2.multiply(sheet, tufts, dtype=cv2.CV_8U), dtype=np.uint8)
+        sheet = self._soften(sheet, beards.JAW.pixel_mm)
+        opacity = beards.JAW.sample(sheet, self._jaw_pixels).astype(np.float32)
+        mask = beards.beard_mask(beard, self._zones)
+        _cover(albedo, colour, beards.feather(opacity / np.float32(255), mask))
+        if len(relief) and beard["kind"] != "stubble":
+            length = np.float32(0.7 * beard["length_mm"] * min(1.0, beard["density"]))
+            thick = beards.JAW.sample(tufts, self._vertex_pixels)
+            relief = length * thick * beards.beard_mask(beard, self._vertex_zones)
+        return np.asarray(relief, dtype=np.float32)
+
+    def _soften(self, sheet: NDArray[np.uint8], pixel_mm: float) -> NDArray[np.uint8]:
+        """Blur hairs to the size of a texel, so that none is lost between two."""
+        sigma = max(0.3, 0.35 * self._texel_mm / pixel_mm)
+        return np.asarray(cv2.GaussianBlur(sheet, (0, 0), sigma), dtype=np.uint8)
+
+
+def _cover(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
+    """Paint a colour over the albedo in place, within the box that the opacity touches."""
+    rows, columns = (np.flatnonzero(opacity.any(axis=axis)) for axis in (1, 0))
+    if rows.size:
+        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        part = albedo[box]
+        part += (np.asarray(colour, dtype=np.float32) - part) * opacity[box][..., None]
