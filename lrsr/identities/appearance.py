@@ -18,18 +18,12 @@ from lrsr.identities import regions
 from lrsr.identities.beard import Beard, sample_beard
 from lrsr.identities.brows import Brows, sample_brows
 from lrsr.identities.canvas import FloatMap
-from lrsr.identities.complexion import (
-    Complexion,
-    Lips,
-    MakeUp,
-    sample_complexion,
-    sample_lips,
-    sample_make_up,
-)
+from lrsr.identities.complexion import Complexion, sample_complexion
 from lrsr.identities.features import FeaturePainter
 from lrsr.identities.hair_colour import HairColour, sample_hair_colour
 from lrsr.identities.iris import Iris, sample_iris
 from lrsr.identities.lines import ALBEDO_PER_MM, Lines, draw_lines, sample_lines
+from lrsr.identities.make_up import Lips, MakeUp, sample_lips, sample_make_up
 from lrsr.identities.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_marks, sample_marks
 from lrsr.identities.skin_tone import tone_map
 

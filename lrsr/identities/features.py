@@ -17,8 +17,8 @@ from lrsr.identities import regions
 from lrsr.identities.beard import Beard
 from lrsr.identities.brows import Brows
 from lrsr.identities.canvas import FloatMap
-from lrsr.identities.complexion import MakeUp
 from lrsr.identities.hair_colour import HairColour, hair_rgb
+from lrsr.identities.make_up import MakeUp
 
 _WARM = np.array([1.0, 0.9, 0.8], dtype=np.float32)  # skin shines through white brows
 
