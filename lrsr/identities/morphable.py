@@ -20,6 +20,7 @@ from lrsr.identities.eyes import Eyes, clear_lids, eyeball_vertices, find_eyes, 
 from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
+from lrsr.identities.population import EVERYBODY, OLDEST_YEARS, YOUNGEST_YEARS, Population
 from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.proportions import load_gauge
 from lrsr.identities.relief import displace
@@ -57,11 +58,12 @@ def _sample_masculinity(rng: Generator) -> float:
     return 0.5 + 0.5 * degree if rng.random() < 0.5 else 0.5 - 0.5 * degree
 
 
-def sample_parameters(seed: int) -> dict[str, Any]:
+def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[str, Any]:
     """Draw everything about a person, as plain numbers and names.
 
     Args:
         seed: >= 0.
+        population: From whom.
 
     Returns:
         JSON-serialisable: ``sex``, ``masculinity`` (0..1), ``age`` (0..1), ``age_years`` (25..75),
@@ -72,9 +74,9 @@ def sample_parameters(seed: int) -> dict[str, Any]:
         ValueError: The seed is negative.
     """
     rng = stream(seed, "person")
-    masculinity = _sample_masculinity(rng)
-    age = float(rng.beta(1.1, 1.5))
-    shares = rng.dirichlet([0.45] * len(RACES))
+    masculinity = population.masculinity(_sample_masculinity(rng))
+    age = population.age(float(rng.beta(1.1, 1.5)))
+    shares = population.shares(rng.dirichlet([0.45] * len(RACES)))
     ancestry = {race: float(share) for race, share in zip(RACES, shares, strict=True)}
     appearance = sample_appearance(
         stream(seed, "appearance"), masculinity=masculinity, age=age, ancestry=shares
@@ -88,7 +90,7 @@ def sample_parameters(seed: int) -> dict[str, Any]:
         "sex": "male" if masculinity >= 0.5 else "female",
         "masculinity": masculinity,
         "age": age,
-        "age_years": 25.0 + 50.0 * age,
+        "age_years": YOUNGEST_YEARS + (OLDEST_YEARS - YOUNGEST_YEARS) * age,
         "ancestry": ancestry,
         "anatomy": sample_anatomy(
             load_basis().names,
@@ -178,12 +180,13 @@ def _make_lashes(strips: NDArray[np.float64]) -> Part:
     return Part("lashes", "lash", lashes.place(strips), lashes.faces, uv, albedo)
 
 
-def sample_head(seed: int, *, texture_size: int = 512) -> Head:
+def sample_head(seed: int, *, texture_size: int = 512, population: Population = EVERYBODY) -> Head:
     """Make the person of a seed.
 
     Args:
         seed: >= 0; see :func:`lrsr.identities.splits.identity_seed`.
         texture_size: Rows and columns of the skin's texture, >= 64.
+        population: From whom the person is drawn.
 
     Returns:
         The head: parts "skin", "left_eye", "right_eye" (as seen in the image), "lashes", "hair".
@@ -193,7 +196,7 @@ def sample_head(seed: int, *, texture_size: int = 512) -> Head:
     Raises:
         ValueError: The seed is negative or the texture smaller than 64.
     """
-    basis, parameters = load_basis(), sample_parameters(seed)
+    basis, parameters = load_basis(), sample_parameters(seed, population=population)
     weights = coefficients(
         basis.names,
         parameters["anatomy"],

@@ -1,6 +1,6 @@
 import pytest
 
-from lrsr.identities.splits import SPLITS, Split, identity_seed, split_of
+from lrsr.identities.splits import LARGEST_INDEX, SPLITS, Split, identity_seed, split_of
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,23 @@ def test_the_split_of_a_seed_is_the_one_it_was_made_for(split: Split) -> None:
     assert {split_of(identity_seed(split, index)) for index in range(50)} == {split}
 
 
+def test_whoever_is_redrawn_stays_in_the_split_and_is_nobody_else() -> None:
+    people = [
+        (split, index, draw)
+        for split in SPLITS
+        for index in (0, 7, LARGEST_INDEX)
+        for draw in range(4)
+    ]
+    seeds = [identity_seed(*person) for person in people]
+    assert len(set(seeds)) == len(people)
+    assert [split_of(seed) for seed in seeds] == [split for split, _, _ in people]
+
+
+def test_a_redrawn_seed_is_above_all_first_ones() -> None:
+    assert identity_seed("train", 0, draw=1) == 3 * 2**40
+    assert identity_seed("test", LARGEST_INDEX) < 3 * 2**40
+
+
 def test_an_unknown_split_is_refused() -> None:
     with pytest.raises(ValueError, match="train, validation, test"):
         identity_seed("dev", 0)  # type: ignore[arg-type]  # the point of the test
@@ -28,6 +45,16 @@ def test_an_unknown_split_is_refused() -> None:
 def test_a_negative_index_is_refused() -> None:
     with pytest.raises(ValueError, match="index"):
         identity_seed("train", -1)
+
+
+def test_an_index_beyond_all_people_is_refused() -> None:
+    with pytest.raises(ValueError, match="index"):
+        identity_seed("train", LARGEST_INDEX + 1)
+
+
+def test_a_negative_draw_is_refused() -> None:
+    with pytest.raises(ValueError, match="draw"):
+        identity_seed("train", 0, draw=-1)
 
 
 def test_a_negative_seed_has_no_split() -> None:
