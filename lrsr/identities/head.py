@@ -32,6 +32,10 @@ class Part:
         faces: ``(F, 3)`` int32, counter-clockwise seen from outside.
         uv: ``(V, 2)`` float32, in [0, 1]; v = 0 is the **top** row of ``albedo``.
         albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, [0, 1].
+        height: ``(H, W)`` float32, mm: relief too fine for the mesh, outwards from it, laid out as
+            ``albedo`` (of any size); None for a smooth part.
+        roughness: ``(H, W)`` float32, [0, 1], the square root of the microfacet slope α (Burley
+            2012), laid out as ``albedo`` (of any size); None for the material's own number.
     """
 
     name: str
@@ -40,6 +44,8 @@ class Part:
     faces: NDArray[np.int32]
     uv: NDArray[np.float32]
     albedo: NDArray[np.float32]
+    height: NDArray[np.float32] | None = None
+    roughness: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True)
@@ -47,7 +53,7 @@ class Head:
     """One person, ready to be rendered.
 
     Two heads from the same maker have parts of the same names, in the same order, with the same
-    faces, uv and texture sizes: only vertices and albedos differ, so a scene is updated in place.
+    faces, uv and texture sizes: only vertices and textures differ, so a scene is updated in place.
 
     Attributes:
         identity_id: Stable name; the same id is the same bytes.

@@ -1,7 +1,8 @@
 """How does light meet skin, eyes, hair and lashes? Numbers for Mitsuba's ``principled`` model.
 
 ``base_color`` is the part's albedo texture. The specular number s gives the reflectance at normal
-incidence 0.08 s.
+incidence 0.08 s. A part's map of heights turns the normals (``bumpmap``), its map of roughness
+replaces the number.
 """
 
 from collections.abc import Mapping
@@ -37,7 +38,31 @@ def skin_materials(skin: str) -> Mapping[Material, Mapping[str, float]]:
     return SKINS[skin]
 
 
-def bsdf(numbers: Mapping[str, float], base_color: dict[str, Any]) -> dict[str, Any]:
-    """Describe a two-sided principled BSDF for ``mi.load_dict``."""
-    principled = {"type": "principled", "base_color": base_color, **numbers}
-    return {"type": "twosided", "material": principled}
+def bsdf(
+    numbers: Mapping[str, float], textures: Mapping[str, dict[str, Any]]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """Describe a two-sided principled BSDF for ``mi.load_dict``.
+
+    Args:
+        numbers: Of the material.
+        textures: ``albedo``; ``roughness`` instead of the number of that name; ``height``, mm, of
+            a bump map.
+
+    Returns:
+        description: The BSDF.
+        keys: The name under which ``mi.traverse`` lists the values of each texture.
+    """
+    principled = {"type": "principled", **numbers, "base_color": textures["albedo"]}
+    inside, keys = "brdf_0", {}
+    if "height" in textures:
+        keys["height"] = f"{inside}.nested_texture.data"
+        inside += ".nested_bsdf"
+    keys["albedo"] = f"{inside}.base_color.data"
+    if "roughness" in textures:
+        principled["roughness"] = textures["roughness"]
+        keys["roughness"] = f"{inside}.roughness.data"
+    material = principled
+    if "height" in textures:
+        # Mitsuba's gradient is in texture units and its tangents in mm: heights in mm are to scale.
+        material = {"type": "bumpmap", "texture": textures["height"], "bsdf": principled}
+    return {"type": "twosided", "material": material}, keys

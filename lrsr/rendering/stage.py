@@ -29,6 +29,7 @@ class Stage:
         self._materials = skin_materials(skin)
         self._scene: Any = None
         self._parameters: Any = None
+        self._keys: dict[tuple[str, str], str] = {}
         self._topology: tuple[object, ...] = ()
         self._head: Head | None = None
         self._lighting: Lighting | None = None
@@ -48,6 +49,7 @@ class Stage:
     def _load(self, head: Head, lighting: Lighting) -> None:
         mi = start()
         self._scene = self._parameters = self._head = self._lighting = self._pose = None
+        self._keys = {}
         self._topology = ()
         gc.collect()  # Dr.Jit compiles virtual calls for everything that is alive
         light = {"type": "envmap", "bitmap": mi.Bitmap(environment(lighting)[0].copy())}
@@ -59,14 +61,19 @@ class Stage:
 
     def _mesh(self, part: Part) -> Any:
         mi = start()
-        texture = {
-            "type": "bitmap",
-            "bitmap": mi.Bitmap(np.array(part.albedo, dtype=np.float32, order="C")),
-            "raw": True,
-            "wrap_mode": "clamp",
+        textures = {
+            name: {
+                "type": "bitmap",
+                "bitmap": mi.Bitmap(np.array(texture, dtype=np.float32, order="C")),
+                "raw": True,
+                "wrap_mode": "clamp",
+            }
+            for name, texture in _textures(part)
         }
+        description, keys = bsdf(self._materials[part.material], textures)
+        self._keys |= {(part.name, name): f"{part.name}.bsdf.{keys[name]}" for name in keys}
         properties = mi.Properties()
-        properties["bsdf"] = mi.load_dict(bsdf(self._materials[part.material], texture))
+        properties["bsdf"] = mi.load_dict(description)
         mesh = mi.Mesh(
             part.name,
             len(part.vertices),
@@ -92,9 +99,10 @@ class Stage:
                 normals = vertex_normals(new.vertices, new.faces)
                 self._parameters[f"{new.name}.vertex_positions"] = new.vertices.ravel()
                 self._parameters[f"{new.name}.vertex_normals"] = normals.ravel()
-            if new.albedo is not old.albedo and not np.array_equal(new.albedo, old.albedo):
-                key = f"{new.name}.bsdf.brdf_0.base_color.data"
-                self._parameters[key] = mi.TensorXf(np.ascontiguousarray(new.albedo))
+            for (name, texture), (_, shown) in zip(_textures(new), _textures(old), strict=True):
+                if texture is not shown and not np.array_equal(texture, shown):
+                    key = self._keys[new.name, name]
+                    self._parameters[key] = mi.TensorXf(np.ascontiguousarray(texture))
         self._parameters.update()
         self._head = head
         # Mitsuba hands the light the bounding sphere of the head before; a second update, of the
@@ -125,10 +133,17 @@ def topology(head: Head) -> tuple[object, ...]:
             part.vertices.shape,
             part.faces.tobytes(),
             part.uv.tobytes(),
-            part.albedo.shape,
+            tuple((name, texture.shape) for name, texture in _textures(part)),
         )
         for part in head.parts
     )
+
+
+def _textures(part: Part) -> list[tuple[str, NDArray[np.float32]]]:
+    """Return the textures that a part has by their names, each ``(H, W, channels)``."""
+    maps = (("height", part.height), ("roughness", part.roughness))
+    given = [(name, texture[..., None]) for name, texture in maps if texture is not None]
+    return [("albedo", part.albedo), *given]
 
 
 def mitsuba_uv(uv: NDArray[np.float32]) -> NDArray[np.float32]:

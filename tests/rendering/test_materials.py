@@ -29,4 +29,16 @@ def test_an_unknown_skin_names_the_known() -> None:
 
 
 def test_both_sides_of_a_sheet_are_lit() -> None:
-    assert bsdf({"roughness": 0.5}, {"type": "rgb", "value": 0.5})["type"] == "twosided"
+    description, keys = bsdf({"roughness": 0.5}, {"albedo": {"type": "rgb", "value": 0.5}})
+    assert description["type"] == "twosided"
+    assert keys == {"albedo": "brdf_0.base_color.data"}
+
+
+def test_a_map_of_roughness_replaces_the_number_and_heights_wrap_the_material() -> None:
+    maps = {name: {"type": "bitmap", "id": name} for name in ("albedo", "height", "roughness")}
+    description, keys = bsdf({"roughness": 0.5, "specular": 0.4}, maps)
+    bump = description["material"]
+    assert (bump["type"], bump["texture"]["id"]) == ("bumpmap", "height")
+    assert bump["bsdf"]["roughness"]["id"] == "roughness"
+    assert bump["bsdf"]["specular"] == 0.4
+    assert set(keys) == set(maps)

@@ -7,9 +7,9 @@ import pytest
 from oracles.heads import ball, dots, ellipsoid_part, stand_in
 
 from lrsr.errors import InputError
-from lrsr.identities.head import Head
+from lrsr.identities.head import Head, Part
 from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.scene import Lighting, Pose
+from lrsr.rendering.scene import Light, Lighting, Pose
 from lrsr.rendering.stage import Stage, topology, vertex_normals, world_to_head
 
 CLOUDY = Lighting("cloudy", (), fill_share=1.0)
@@ -24,6 +24,26 @@ def two_colours() -> Head:
     skin = ellipsoid_part("skin", "skin", (60, 100, 90), (0, -12, -80), albedo)
     plain = stand_in(0, ipd_mm=63.0)
     return replace(plain, parts=(skin, *plain.parts[1:]))
+
+
+def with_maps(head: Head, strength: float) -> Head:
+    """Give the skin ridges of up to 1 mm and a gloss that changes with height."""
+    waves = np.sin(np.arange(32, dtype=np.float32))[:, None].repeat(32, axis=1)
+    roughness = np.full((8, 8), 0.6 - 0.3 * strength, np.float32)
+    skin = replace(head.parts[0], height=np.float32(strength) * waves, roughness=roughness)
+    return replace(head, parts=(skin, *head.parts[1:]))
+
+
+def wall(height: np.ndarray, slopes: tuple[float, float], mirrored: bool) -> Head:
+    """Make a grey wall of 200 mm, z = slope x + slope y, that fills the picture."""
+    x, y = np.array([-100.0, 100, 100, -100]), np.array([100.0, 100, -100, -100])
+    vertices = np.stack([x, y, slopes[0] * x + slopes[1] * y], axis=1).astype(np.float32)
+    u, v = (x + 100) / 200, (100 - y) / 200
+    uv = np.stack([1 - u if mirrored else u, v], axis=1).astype(np.float32)
+    faces = np.array([[0, 3, 2], [0, 2, 1]], np.int32)
+    grey = np.full((4, 4, 3), 0.5, np.float32)
+    skin = Part("wall", "lash", vertices, faces, uv, grey, np.asarray(height, np.float32))
+    return replace(stand_in(0, ipd_mm=63.0), parts=(skin,))
 
 
 def test_the_top_row_of_a_texture_is_at_v_0(renderer: Renderer) -> None:
@@ -67,6 +87,38 @@ def test_topology_sees_names_faces_and_texture_sizes() -> None:
         replace(skin, albedo=np.zeros((4, 4, 3), np.float32)),
     ):
         assert topology(replace(head, parts=(changed, *head.parts[1:]))) != topology(head)
+
+
+def test_topology_sees_which_maps_a_part_has() -> None:
+    head = stand_in(0)
+    assert topology(with_maps(head, 0.0)) != topology(head)
+    assert topology(with_maps(head, 0.0)) == topology(with_maps(head, 1.0))
+
+
+@pytest.mark.parametrize("mirrored", [False, True], ids=["plain uv", "mirrored uv"])
+@pytest.mark.parametrize("axis", [0, 1], ids=["along u", "along v"])
+def test_a_slope_of_heights_in_mm_is_lit_as_a_slope_of_the_mesh(axis: int, mirrored: bool) -> None:
+    """A lit wall whose map rises by 0.3 mm per mm looks like a wall that leans so."""
+    light = Lighting("oblique", (Light(azimuth_deg=-40.0, elevation_deg=40.0),), fill_share=0.1)
+    rise = 0.3 * np.indices((64, 64))[1 - axis] * (200 / 64)
+    level = np.zeros((64, 64))
+    painted = wall(rise[:, ::-1] if mirrored else rise, (0.0, 0.0), mirrored)
+    leaning = wall(level, (0.3, 0.0) if axis == 0 else (0.0, -0.3), mirrored)
+    stage_of_its_own = Renderer()
+    seen, wanted, flat = (
+        float(stage_of_its_own.render(head, lighting=light, **SETTINGS).image.mean())
+        for head in (painted, leaning, wall(level, (0.0, 0.0), mirrored))
+    )
+    assert abs(wanted - flat) > 0.05 * flat
+    assert seen == pytest.approx(wanted, rel=0.03)
+
+
+def test_new_maps_replace_the_old_in_place(renderer: Renderer) -> None:
+    renderer.render(with_maps(stand_in(1), 0.0), **SETTINGS)
+    updated = renderer.render(with_maps(stand_in(2), 1.0), **SETTINGS)
+    fresh = Renderer().render(with_maps(stand_in(2), 1.0), **SETTINGS)
+    assert updated.image.equal(fresh.image)
+    assert not updated.image.equal(renderer.render(with_maps(stand_in(2), 0.0), **SETTINGS).image)
 
 
 def test_a_spheres_normals_are_its_vertices() -> None:
