@@ -10,7 +10,7 @@ import hashlib
 import json
 import logging
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +20,11 @@ from safetensors.torch import load, save
 
 from lrsr.errors import InputError
 from lrsr.files import sweep, write_bytes
+from lrsr.identities.person import Person
 from lrsr.images import check_images
 from lrsr.rendering.radiance import Radiance
 
-FORMAT = 1
+FORMAT = 2
 """Part of every key: a change of the entries' layout leaves the old ones unread."""
 
 _TENSORS = ("image", "landmarks_px")
@@ -114,6 +115,7 @@ def _pack(radiance: Radiance) -> bytes:
         for field in fields(radiance)
         if field.name not in _TENSORS
     }
+    plain["person"] = None if radiance.person is None else asdict(radiance.person)
     note = {"radiance": plain, "sha256": _digest(tensors, plain)}
     # One note, not two: safetensors writes several in random order, and equal means equal bytes.
     content: bytes = save(tensors, {"lrsr": _canonical(note).decode()})
@@ -127,7 +129,8 @@ def _unpack(content: bytes) -> Radiance:
     plain = note["radiance"]
     if set(tensors) != set(_TENSORS) or note["sha256"] != _digest(tensors, plain):
         raise ValueError("its checksum does not match")
-    return Radiance(**tensors, **plain)
+    person = plain.pop("person")
+    return Radiance(**tensors, **plain, person=None if person is None else Person(**person))
 
 
 def _digest(tensors: Mapping[str, torch.Tensor], plain: Mapping[str, Any]) -> str:

@@ -51,18 +51,21 @@ class MitsubaMaker:
         from lrsr.identities.morphable import sample_head
         from lrsr.identities.splits import identity_seed
 
-        seed = identity_seed(recipe.split, recipe.index)
-        head: Head = sample_head(seed, texture_size=recipe.texture_size)
+        seed = identity_seed(recipe.split, recipe.index, recipe.draw)
+        head: Head = sample_head(
+            seed, texture_size=recipe.texture_size, population=recipe.population
+        )
         return replace(head, identity_id=recipe.identity_id)
 
     def render(self, head: "Head", recipe: ProbeRecipe) -> "Radiance":
         """Render with the one renderer of that skin model, whose scene is updated in place."""
+        from lrsr.identities.person import describe
         from lrsr.rendering.renderer import Renderer
 
         model = (recipe.skin, recipe.max_depth)
         if model not in self._renderers:
             self._renderers[model] = Renderer(skin=recipe.skin, max_depth=recipe.max_depth)
-        return self._renderers[model].render(
+        radiance = self._renderers[model].render(
             head,
             pose=recipe.pose,
             lighting=recipe.lighting,
@@ -71,6 +74,7 @@ class MitsubaMaker:
             samples_per_pixel=recipe.samples_per_pixel,
             seed=recipe.seed,
         )
+        return replace(radiance, person=describe(head))
 
 
 @cache

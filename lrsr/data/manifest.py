@@ -9,6 +9,7 @@ from pathlib import Path
 
 from lrsr.errors import InputError
 from lrsr.files import write_text
+from lrsr.identities.person import Person
 
 MANIFEST = "manifest.csv"
 
@@ -31,6 +32,12 @@ class ManifestRow:
         landmarks_px: Ten numbers, x y of left eye, right eye, nose, left and right mouth corner
             as seen in the image, px of this picture, separated by spaces in the file.
         linear_file: The linear light of the same picture in 16 bits, if it was asked for.
+        sex: "female" or "male"; this and what follows is empty where it is not known.
+        age_years: As drawn.
+        ancestry: Share of each, e.g. "african=0.02 asian=0.9 caucasian=0.08".
+        ita_deg: Individual typology angle of the bare cheeks' albedo; see
+            :mod:`lrsr.identities.person`.
+        skin_tone: Its class, "very light" to "dark".
     """
 
     file: str
@@ -45,10 +52,28 @@ class ManifestRow:
     seed: int
     landmarks_px: tuple[float, ...]
     linear_file: str = ""
+    sex: str = ""
+    age_years: str = ""
+    ancestry: str = ""
+    ita_deg: str = ""
+    skin_tone: str = ""
 
 
 COLUMNS = tuple(field.name for field in fields(ManifestRow))
-REQUIRED = COLUMNS[:-1]
+REQUIRED = COLUMNS[: COLUMNS.index("linear_file")]
+
+
+def about(person: Person | None) -> dict[str, str]:
+    """Return the columns that tell who a picture shows; none where that is not known."""
+    if person is None:
+        return {}
+    return {
+        "sex": person.sex,
+        "age_years": f"{person.age_years:g}",
+        "ancestry": " ".join(f"{race}={share:g}" for race, share in person.ancestry.items()),
+        "ita_deg": f"{person.ita_deg:g}",
+        "skin_tone": person.skin_tone,
+    }
 
 
 def write_manifest(folder: Path, rows: Iterable[ManifestRow]) -> Path:

@@ -13,6 +13,7 @@ from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.recipe import ProbeRecipe
 from lrsr.errors import InputError
+from lrsr.identities.person import Person
 from lrsr.rendering.radiance import Radiance
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Probe:
         camera: Name of the preset.
         seed: Of the sampler.
         kind: "probe" or "gallery".
+        person: What is recorded of who it shows, where it is known.
     """
 
     image: torch.Tensor
@@ -62,6 +64,7 @@ class Probe:
     camera: str
     seed: int
     kind: str
+    person: Person | None = None
 
 
 def render_missing(
@@ -97,7 +100,7 @@ def render_missing(
         return 0
     people: dict[tuple[object, ...], list[str]] = {}
     for key, recipe in missing.items():
-        people.setdefault((recipe.split, recipe.index, recipe.texture_size), []).append(key)
+        people.setdefault((recipe.identity_id, recipe.texture_size), []).append(key)
     firsts = [missing[keys[0]] for keys in people.values()]
     with tqdm(total=len(missing), desc="rendering", unit="image", disable=not progress) as bar:
         for head, keys in zip(_heads(maker, firsts), people.values(), strict=True):
@@ -209,6 +212,7 @@ def photograph(radiances: Sequence[Radiance], camera: Camera, kinds: Sequence[st
             camera=camera.name,
             seed=radiance.seed,
             kind=kind,
+            person=radiance.person,
         )
         for i, (radiance, kind) in enumerate(zip(radiances, kinds, strict=True))
     ]

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, is_dataclass, replace
 from typing import Any, Literal
 
 from lrsr.errors import InputError
+from lrsr.identities.population import EVERYBODY, Population
 from lrsr.identities.splits import SPLITS, Split
 from lrsr.rendering.scene import Lighting, Pose, find_lighting, find_pose
 
@@ -32,6 +33,8 @@ class ProbeRecipe:
         texture_size: Of the head's albedo, px.
         skin: Skin model of the renderer.
         max_depth: Longest light path.
+        population: From whom the person is drawn.
+        draw: How often the person was redrawn; see :mod:`lrsr.identities.roster`.
 
     Raises:
         InputError: A value is out of its range, or there is no such pose or lighting.
@@ -49,6 +52,8 @@ class ProbeRecipe:
     texture_size: int = 512
     skin: str = "reflective"
     max_depth: int = 5
+    population: Population = EVERYBODY
+    draw: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ipd_px", float(self.ipd_px))  # 8 and 8.0 are one picture
@@ -62,6 +67,7 @@ class ProbeRecipe:
             "seed": (0 <= self.seed < 2**32, "0 to 4294967295"),
             "texture_size": (self.texture_size >= 8, "a number >= 8"),
             "max_depth": (self.max_depth >= 1, "a number >= 1"),
+            "draw": (self.draw >= 0, "a number >= 0"),
         }
         for name, (holds, wish) in wanted.items():
             if not holds:
@@ -71,13 +77,16 @@ class ProbeRecipe:
 
     @property
     def identity_id(self) -> str:
-        """Stable name of the person.
+        """Stable name of the person: split and number, and what sets them apart from that one.
 
         Example:
             >>> ProbeRecipe("test", 7).identity_id
             'test-00007'
+            >>> ProbeRecipe("test", 7, population=Population("female"), draw=1).identity_id
+            'test-00007-female-draw1'
         """
-        return f"{self.split}-{self.index:05d}"
+        words = [self.split, f"{self.index:05d}", self.population.tag]
+        return "-".join(filter(None, [*words, f"draw{self.draw}" if self.draw else ""]))
 
     def seeded(self, seed: int) -> "ProbeRecipe":
         """Return the same picture with a sampler's seed that follows from the run's.
@@ -87,8 +96,10 @@ class ProbeRecipe:
         Args:
             seed: The run's; whatever else is different about the picture changes it too.
         """
-        what = (self.split, self.index, self.kind, self.pose, self.lighting)
-        return replace(self, seed=derived_seed(seed, *what, self.ipd_px, self.scale))
+        what = [self.split, self.index, self.kind, self.pose, self.lighting, self.ipd_px]
+        other = [self.population] if self.population != EVERYBODY else []
+        redrawn = [self.draw] if self.draw else []
+        return replace(self, seed=derived_seed(seed, *what, self.scale, *other, *redrawn))
 
     def plain(self, versions: Mapping[str, str]) -> dict[str, Any]:
         """Return everything that changes the pixels, as numbers, strings, lists and mappings.

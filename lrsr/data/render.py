@@ -12,12 +12,13 @@ from lrsr.camera import Camera
 from lrsr.camera.exposure import expose
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
-from lrsr.data.manifest import MANIFEST, ManifestRow, read_manifest, write_manifest
+from lrsr.data.manifest import MANIFEST, ManifestRow, about, read_manifest, write_manifest
 from lrsr.data.png import write_png
 from lrsr.data.probes import Probe, load_radiances, photograph, render_missing
 from lrsr.data.recipe import Kind, ProbeRecipe
 from lrsr.errors import InputError
 from lrsr.files import sweep
+from lrsr.identities.roster import UNCHECKED, Cast
 from lrsr.identities.splits import Split
 from lrsr.paths import cache_folder
 from lrsr.rendering.radiance import Radiance
@@ -37,6 +38,7 @@ class RenderSettings:
         count: How many people, >= 1.
         start: Number of the first one within the split.
         split: "train", "validation" or "test"; nobody is in two of them.
+        cast: From whom they are drawn, and who of them was redrawn.
         kind: "probe", or "gallery": the enrolled picture, frontal in frontal light at 64 px without
             compression, whatever else is asked for.
         pose: Name, or any angles.
@@ -52,9 +54,11 @@ class RenderSettings:
         max_depth: Longest light path.
         seed: Of the noise.
         cache: Folder of the render cache; None: the user's.
+        cast: From whom people are drawn, and who of them was redrawn.
 
     Raises:
-        InputError: A number is out of range, or there is no such compression.
+        InputError: A number is out of range, the roster does not reach that far, or there is no
+            such compression.
     """
 
     out: Path
@@ -75,12 +79,15 @@ class RenderSettings:
     max_depth: int = 5
     seed: int = 0
     cache: Path | None = None
+    cast: Cast = UNCHECKED
 
     def __post_init__(self) -> None:
         if self.count < 1:
             raise InputError(f"identities.count={self.count}: wanted a number >= 1")
         if not self.scales:
             raise InputError("scales=[]: wanted at least one of 1, 2, 4")
+        for index in (self.start, self.start + self.count - 1):
+            self.cast.draw(self.split, index)  # refuses who is not on the roster
         Camera(self.compression)  # refuses an unknown one before anything is rendered
 
     def as_gallery(self) -> "RenderSettings":
@@ -109,6 +116,8 @@ class RenderSettings:
                 texture_size=self.texture_size,
                 skin=self.skin,
                 max_depth=self.max_depth,
+                population=self.cast.population,
+                draw=self.cast.draw(self.split, index),
             ).seeded(self.seed)
             for index in range(self.start, self.start + self.count)
         ]
@@ -200,4 +209,5 @@ def _write(folder: Path, probe: Probe, linear: torch.Tensor | None) -> ManifestR
         seed=probe.seed,
         landmarks_px=tuple(probe.landmarks_px.flatten().tolist()),
         linear_file="" if linear is None else f"{stem}_linear16.png",
+        **about(probe.person),
     )

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import torch
 
+from lrsr.identities.person import Person
+
 
 @dataclass(frozen=True)
 class Radiance:
@@ -24,6 +26,7 @@ class Radiance:
         identity_id: Whose head it is.
         pose: Name.
         lighting: Name.
+        person: What is recorded of the head, where it is known.
     """
 
     image: torch.Tensor
@@ -35,3 +38,4 @@ class Radiance:
     identity_id: str
     pose: str
     lighting: str
+    person: Person | None = None

@@ -13,6 +13,7 @@ import torch
 
 from lrsr.data.cache import RenderCache
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
+from lrsr.identities.person import Person
 from lrsr.rendering.radiance import Radiance
 
 KEY = RenderCache.key({"who": 1})
@@ -50,6 +51,14 @@ def entry(cache: RenderCache) -> Path:
 def test_what_was_put_is_got_bit_for_bit(cache: RenderCache) -> None:
     cache.put(KEY, radiance())
     assert same(cache.get(KEY), radiance())
+
+
+def test_who_a_picture_shows_is_kept_with_it(cache: RenderCache) -> None:
+    person = Person("male", 61.5, {"african": 0.5, "asian": 0.5}, -12.0, "brown")
+    cache.put(KEY, replace(radiance(), person=person))
+    found = cache.get(KEY)
+    assert found is not None
+    assert found.person == person
 
 
 def test_views_of_larger_tensors_are_kept_as_what_they_show(cache: RenderCache) -> None:

@@ -1,17 +1,24 @@
 """The real maker hands a recipe to the identities and the renderer, once a head and a skin."""
 
 import sys
+from dataclasses import replace
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+import torch
 
 from lrsr.data.maker import MitsubaMaker, mitsuba_maker
 from lrsr.data.recipe import ProbeRecipe
 from lrsr.identities.head import Head
+from lrsr.identities.person import Person
+from lrsr.identities.population import EVERYBODY, Population
+from lrsr.identities.splits import identity_seed
+from lrsr.rendering.radiance import Radiance
 
 RECIPE = ProbeRecipe("test", 5, pose="left", ipd_px=9.0, scale=2, seed=3, texture_size=64)
+SOMEBODY = Person("female", 40.0, {"asian": 1.0}, 30.0, "intermediate")
 
 
 class Renderer:
@@ -21,9 +28,10 @@ class Renderer:
     def __init__(self, skin: str, *, max_depth: int) -> None:
         self.made.append((skin, max_depth))
 
-    def render(self, head: Head, **settings: Any) -> str:
+    def render(self, head: Head, **settings: Any) -> Radiance:
         self.asked.append(settings)
-        return f"light of {head.identity_id}"
+        light = torch.zeros(3, 4, 4), torch.zeros(5, 2)
+        return Radiance(*light, 8.0, 1, 1.0, 3, head.identity_id, "left", "frontal")
 
 
 @pytest.fixture(autouse=True)
@@ -31,8 +39,8 @@ def _parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stand-ins for the modules that build and render; their own tests are elsewhere."""
     Renderer.made, Renderer.asked = [], []
 
-    def sample_head(seed: int, *, texture_size: int) -> Head:
-        numbers = {"seed": seed, "texture_size": texture_size}
+    def sample_head(seed: int, *, texture_size: int, population: Population) -> Head:
+        numbers = {"seed": seed, "texture_size": texture_size, "population": population}
         return Head("seed-x", (), np.zeros((2, 3)), np.zeros((5, 3)), numbers)
 
     parts: dict[str, dict[str, Any]] = {
@@ -40,6 +48,7 @@ def _parts(monkeypatch: pytest.MonkeyPatch) -> None:
         "lrsr.rendering.renderer": {"RENDERER_VERSION": "b", "Renderer": Renderer},
         "lrsr.rendering.backend": {"choose_variant": lambda: SimpleNamespace(variant="c")},
     }
+    monkeypatch.setattr("lrsr.identities.person.describe", lambda head: SOMEBODY)
     for name, contents in parts.items():
         module = ModuleType(name)
         vars(module).update(contents)
@@ -53,12 +62,21 @@ def test_the_versions_are_those_of_all_that_changes_pixels() -> None:
 def test_a_head_has_the_seed_of_its_split_and_the_name_of_the_recipe() -> None:
     head = MitsubaMaker().head(RECIPE)
     assert head.identity_id == "test-00005"
-    assert head.parameters == {"seed": 3 * 5 + 2, "texture_size": 64}
+    assert head.parameters == {"seed": 3 * 5 + 2, "texture_size": 64, "population": EVERYBODY}
+
+
+def test_a_redrawn_head_has_another_seed_and_its_population() -> None:
+    women = Population("female")
+    head = MitsubaMaker().head(replace(RECIPE, draw=2, population=women))
+    assert head.identity_id == "test-00005-female-draw2"
+    assert head.parameters["seed"] == identity_seed("test", 5, draw=2)
+    assert head.parameters["population"] == women
 
 
 def test_everything_the_recipe_says_reaches_the_renderer() -> None:
     maker = MitsubaMaker()
-    assert maker.render(maker.head(RECIPE), RECIPE) == "light of test-00005"
+    radiance = maker.render(maker.head(RECIPE), RECIPE)
+    assert (radiance.identity_id, radiance.person) == ("test-00005", SOMEBODY)
     (asked,) = Renderer.asked
     assert asked == {
         "pose": "left",

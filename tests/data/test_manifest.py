@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from lrsr.data.manifest import COLUMNS, ManifestRow, read_manifest, write_manifest
+from lrsr.data.manifest import COLUMNS, ManifestRow, about, read_manifest, write_manifest
 from lrsr.errors import InputError
+from lrsr.identities.person import Person
 
 ROW = ManifestRow(
     file="a.png",
@@ -48,6 +49,20 @@ def test_the_columns_are_those_that_others_rely_on() -> None:
     assert ",".join(COLUMNS[:11]) == (
         "file,identity_id,kind,pose,lighting,compression,camera,ipd_px,scale,seed,landmarks_px"
     )
+
+
+def test_a_row_tells_who_it_shows(folder: Path) -> None:
+    person = Person("female", 41.5, {"african": 0.25, "asian": 0.75}, 12.34, "tan")
+    with write_manifest(folder, [replace(ROW, **about(person))]).open(newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert {name: row[name] for name in COLUMNS[12:]} == {
+        "sex": "female",
+        "age_years": "41.5",
+        "ancestry": "african=0.25 asian=0.75",
+        "ita_deg": "12.34",
+        "skin_tone": "tan",
+    }
+    assert about(None) == {}
 
 
 def test_any_csv_reader_reads_it(folder: Path) -> None:

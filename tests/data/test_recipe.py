@@ -9,6 +9,7 @@ import pytest
 from lrsr.data.cache import RenderCache
 from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.errors import InputError
+from lrsr.identities.population import Population
 from lrsr.rendering.scene import LIGHTINGS, POSES, Light, Lighting, Pose
 
 RECIPE = ProbeRecipe("test", 3)
@@ -25,6 +26,8 @@ OTHERS: dict[str, Any] = {
     "texture_size": 64,
     "skin": "subsurface",
     "max_depth": 8,
+    "population": Population("female"),
+    "draw": 1,
 }
 
 
@@ -70,8 +73,8 @@ def test_any_pose_and_any_lighting_become_plain_values() -> None:
 
 
 def test_a_key_is_the_sha_256_of_the_canonical_json() -> None:
-    # printf '{"a":1,"b":[2.5,"c"],"format":1}' | sha256sum
-    wanted = "3b68574c7de15bf8cac5d5cac45ebdc5d365053d1566c73a305f3abed0a3e565"
+    # printf '{"a":1,"b":[2.5,"c"],"format":2}' | sha256sum
+    wanted = "76b8e7128d26c8572e517dbacee3418638e3479c3c97e09fb6be87283484d7fd"
     assert RenderCache.key({"b": [2.5, "c"], "a": 1}) == wanted
 
 
@@ -88,6 +91,7 @@ def test_a_key_is_the_sha_256_of_the_canonical_json() -> None:
         ({"seed": 2**32}, "seed=4294967296: wanted 0 to 4294967295"),
         ({"texture_size": 1}, "texture_size=1"),
         ({"max_depth": 0}, "max_depth=0"),
+        ({"draw": -1}, "draw=-1"),
         ({"pose": "sideways"}, "pose 'sideways' does not exist; choose one of frontal"),
         ({"lighting": "noon"}, "lighting 'noon' does not exist; choose one of frontal"),
     ],
@@ -109,3 +113,10 @@ def test_seeds_differ_between_pictures_and_not_between_runs() -> None:
 
 def test_a_seed_depends_on_the_angles_of_a_pose() -> None:
     assert derived_seed(0, Pose("a", 1.0)) != derived_seed(0, Pose("a", 2.0))
+
+
+@pytest.mark.parametrize("change", [{"population": Population("male")}, {"draw": 2}], ids=str)
+def test_somebody_else_has_another_name_and_other_noise(change: dict[str, Any]) -> None:
+    other = replace(RECIPE, **change)
+    assert other.identity_id != RECIPE.identity_id
+    assert other.seeded(0).seed != RECIPE.seeded(0).seed

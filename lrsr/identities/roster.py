@@ -1,0 +1,175 @@
+"""Who takes part, after look-alikes were redrawn? A file that says how often each one was redrawn.
+
+``lrsr identities`` writes a roster; ``identities.roster=FILE`` makes any command use it, so that an
+experiment runs on people who were checked to be different from one another.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from lrsr.errors import InputError
+from lrsr.files import write_json
+from lrsr.identities.population import EVERYBODY, Population, population_from
+from lrsr.identities.splits import SPLITS, Split
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Roster:
+    """People ``start`` to ``start + count - 1`` of a split, and who of them was redrawn.
+
+    Attributes:
+        split: Whose people.
+        start: Number of the first one.
+        count: How many, >= 1.
+        population: From whom they were drawn.
+        recipe: Version of the recipe of heads that was checked.
+        encoder: What compared them.
+        angle_deg: No two of them are nearer, but for ``unresolved``.
+        draws: How often each was redrawn, by index; who is not named was not.
+        unresolved: Who was still too near to somebody when the bound on redraws was reached.
+
+    Raises:
+        InputError: A draw or an index is out of range, or there is no such split.
+    """
+
+    split: Split
+    start: int
+    count: int
+    population: Population
+    recipe: str
+    encoder: str
+    angle_deg: float
+    draws: Mapping[int, int] = field(default_factory=dict)
+    unresolved: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        inside = range(self.start, self.start + self.count)
+        if self.split not in SPLITS or self.start < 0 or self.count < 1:
+            raise InputError(
+                f"a roster of the split {self.split!r} from {self.start} on, {self.count} people"
+            )
+        if any(index not in inside or draw < 0 for index, draw in self.draws.items()):
+            raise InputError(f"a roster of {inside} redraws {dict(self.draws)}")
+
+
+@dataclass(frozen=True)
+class Cast:
+    """From whom people are drawn, and who of them was redrawn; the default is everybody, nobody.
+
+    Attributes:
+        population: From whom.
+        roster: Redraws of people of its own split; None: nobody was.
+
+    Raises:
+        InputError: The roster is of another population.
+    """
+
+    population: Population = EVERYBODY
+    roster: Roster | None = None
+
+    def __post_init__(self) -> None:
+        if self.roster is not None and self.roster.population != self.population:
+            sex, ancestry, (low, high) = asdict(self.roster.population).values()
+            raise InputError(
+                f"identities.roster is of another population: add identities.sex={sex}"
+                f" identities.ancestry=[{','.join(ancestry)}]"
+                f" identities.age_years=[{low:g},{high:g}]"
+            )
+
+    def draw(self, split: str, index: int) -> int:
+        """Return how often somebody was redrawn.
+
+        Args:
+            split: Of the person; people of other splits than the roster's were not checked.
+            index: Number within the split.
+
+        Raises:
+            InputError: The roster is of that split but does not reach to that person.
+        """
+        roster = self.roster
+        if roster is None or roster.split != split:
+            return 0
+        if not roster.start <= index < roster.start + roster.count:
+            last = roster.start + roster.count - 1
+            raise InputError(
+                f"identities.roster covers {split} {roster.start} to {last}, not {index}: take"
+                " fewer people or make a longer roster with lrsr identities"
+            )
+        return roster.draws.get(index, 0)
+
+
+UNCHECKED = Cast()
+
+
+def write_roster(path: Path, roster: Roster) -> Path:
+    """Write a roster with the SHA-256 of its content; return ``path``.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    content = _plain(roster)
+    write_json(path, {**content, "sha256": _digest(content)})
+    return path
+
+
+def read_roster(path: Path) -> Roster:
+    """Read and check a roster.
+
+    Raises:
+        InputError: The file cannot be read, is no roster, was changed by hand, or was made with
+            another recipe of heads; the message names the file and the remedy.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "no JSON"
+        raise InputError(f"cannot read {path}: {reason}; lrsr identities makes one") from error
+    if not isinstance(content, dict) or "sha256" not in content:
+        raise InputError(f"{path} is no roster; lrsr identities makes one")
+    if content.pop("sha256") != _digest(content):
+        raise InputError(f"{path}: its checksum does not match; make it again: lrsr identities")
+    try:
+        roster = _roster(content)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path} is no roster of this version; make it again") from error
+    from lrsr.identities.morphable import RECIPE_VERSION  # the recipe takes a while to import
+
+    if roster.recipe != RECIPE_VERSION:
+        raise InputError(
+            f"{path} is of heads of recipe {roster.recipe}, these are of {RECIPE_VERSION}: make it"
+            " again with lrsr identities"
+        )
+    return roster
+
+
+def _roster(content: Mapping[str, Any]) -> Roster:
+    draws = {int(index): int(draw) for index, draw in content["draws"].items()}
+    return Roster(
+        split=content["split"],
+        start=int(content["start"]),
+        count=int(content["count"]),
+        population=population_from(content["population"]),
+        recipe=content["recipe"],
+        encoder=content["encoder"],
+        angle_deg=float(content["angle_deg"]),
+        draws=draws,
+        unresolved=tuple(int(index) for index in content["unresolved"]),
+    )
+
+
+def _plain(roster: Roster) -> dict[str, Any]:
+    values = asdict(roster)
+    values["draws"] = {str(index): draw for index, draw in sorted(roster.draws.items())}
+    plain: dict[str, Any] = json.loads(json.dumps({"format": FORMAT, **values}))
+    return plain
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
