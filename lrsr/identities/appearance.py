@@ -22,6 +22,7 @@ from lrsr.identities.complexion import Complexion, sample_complexion
 from lrsr.identities.features import FeaturePainter
 from lrsr.identities.hair_colour import HairColour, sample_hair_colour
 from lrsr.identities.iris import Iris, sample_iris
+from lrsr.identities.lashes import Lashes, sample_lashes
 from lrsr.identities.lines import ALBEDO_PER_MM, Lines, draw_lines, sample_lines
 from lrsr.identities.make_up import Lips, MakeUp, sample_lips, sample_make_up
 from lrsr.identities.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_marks, sample_marks
@@ -40,6 +41,7 @@ class Appearance(TypedDict):
     beard: Beard
     hair_colour: HairColour
     iris: Iris
+    lashes: Lashes
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def sample_appearance(
     """
     shares = np.asarray(ancestry, dtype=np.float64)
     asian, european = float(shares[1]), float(shares[2])
-    child = dict(zip(Appearance.__annotations__, rng.spawn(9), strict=True))
+    child = dict(zip(Appearance.__annotations__, rng.spawn(10), strict=True))
     hair = sample_hair_colour(child["hair_colour"], age=age, ancestry=shares)
     complexion = sample_complexion(child["complexion"], age=age, ancestry=shares)
     return {
@@ -92,6 +94,7 @@ def sample_appearance(
         ),
         "hair_colour": hair,
         "iris": sample_iris(child["iris"], european=european, eumelanin=hair["eumelanin"], age=age),
+        "lashes": sample_lashes(child["lashes"], masculinity=masculinity),
     }
 
 

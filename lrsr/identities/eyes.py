@@ -1,8 +1,7 @@
-"""Where do the eyes look, and what closes around them? Eyeballs, lids that clear them, lashes."""
+"""Where do the eyes look, and how are they curved? Eyeballs with corneas."""
 
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,14 +13,13 @@ Points = NDArray[np.float64]
 GAZE_SHARE = np.array([0.35, 0.8, 0.0])
 """How far an eye turns from straight ahead to the centre of its lids, across and up: without it
 many look up; sideways the lids open farther out than eyes look."""
-LID_CLEARANCE = 1.03
-"""Skin of the lids stays outside this many radii of the eyeball."""
-LID_REACH = 1.5
-"""Skin farther than this many radii from the eye is no lid."""
+CORNEA_ANGLE_RAD = 0.42
+"""Angle from the axis at which the cornea rises from the white."""
+CORNEA_RISE = 0.06
+"""Height of the cornea's apex over the sphere, in radii: with the angle above its radius of
+curvature is 0.47 of the eyeball's, 7.8 mm for 16.6 mm, the mean cornea (Gullstrand)."""
 RINGS, SEGMENTS = 24, 48
-LASHES_PER_QUAD = 5
-_LASH_WIDTH = 0.5
-_LASH_LENGTH = 1.5
+_CORNEAL_RINGS = 12
 
 
 class Eyes(NamedTuple):
@@ -39,7 +37,7 @@ class Eyes(NamedTuple):
 
     @property
     def pupils(self) -> Points:
-        """Centre of each iris on the surface of the eye: ``(2, 3)``, mm."""
+        """Centre of each pupil, on the sphere behind the cornea: ``(2, 3)``, mm."""
         return self.centres + self.radii[:, None] * self.gazes
 
     def moved(self, rotation: ArrayLike, origin: ArrayLike) -> "Eyes":
@@ -67,8 +65,25 @@ def find_eyes(basis: Basis, head: BaseHead) -> Eyes:
     return Eyes(centres, radii, gazes / np.linalg.norm(gazes, axis=1, keepdims=True))
 
 
+def cornea_rise(angle: NDArray[Any]) -> NDArray[Any]:
+    """Height of the eye's surface over the sphere.
+
+    Args:
+        angle: Any shape, from the optical axis, radians, >= 0.
+
+    Returns:
+        Same shape, in radii of the sphere: :data:`CORNEA_RISE` on the axis, 0 beyond the cornea.
+
+    Example:
+        >>> cornea_rise(np.array([0.0, 0.42, 1.0]))
+        array([0.06, 0.  , 0.  ])
+    """
+    inside = np.clip(1 - (angle / CORNEA_ANGLE_RAD) ** 2, 0, 1)
+    return np.asarray(CORNEA_RISE * inside**2)
+
+
 class Ball(NamedTuple):
-    """The front half of a unit sphere around +z.
+    """The front half of an eye around +z: a unit sphere and the cornea on it.
 
     Attributes:
         vertices: ``(V, 3)``.
@@ -86,12 +101,18 @@ class Ball(NamedTuple):
 def unit_ball() -> Ball:
     """Return the mesh that every eyeball is a copy of."""
     polar, azimuth = np.meshgrid(
-        np.linspace(0.0, np.pi / 2, RINGS + 1)[1:],
+        np.concatenate(
+            [
+                np.linspace(0.0, CORNEA_ANGLE_RAD, _CORNEAL_RINGS + 1)[1:],
+                np.linspace(CORNEA_ANGLE_RAD, np.pi / 2, RINGS - _CORNEAL_RINGS + 1)[1:],
+            ]
+        ),
         np.linspace(0.0, 2 * np.pi, SEGMENTS, endpoint=False),
         indexing="ij",
     )
     across = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     points = np.concatenate([np.sin(polar)[..., None] * across, np.cos(polar)[..., None]], axis=-1)
+    points *= 1 + cornea_rise(polar)[..., None]
     uv = 0.5 + (polar / np.pi)[..., None] * across * [1.0, -1.0]
     index = 1 + np.arange(RINGS * SEGMENTS).reshape(RINGS, SEGMENTS)
     after = np.roll(index, -1, axis=1)
@@ -106,7 +127,7 @@ def unit_ball() -> Ball:
         ]
     )
     return Ball(
-        np.concatenate([[[0.0, 0.0, 1.0]], points.reshape(-1, 3)]),
+        np.concatenate([[[0.0, 0.0, 1.0 + CORNEA_RISE]], points.reshape(-1, 3)]),
         faces.astype(np.int32),
         np.concatenate([[[0.5, 0.5]], uv.reshape(-1, 2)]).astype(np.float32),
     )
@@ -141,112 +162,21 @@ def eyeball_vertices(eyes: Eyes, which: int) -> NDArray[np.float32]:
     return np.asarray(eyes.centres[which] + eyes.radii[which] * turned, dtype=np.float32)
 
 
-@dataclass(frozen=True)
-class Lids:
-    """The skin around the eyes of the template.
-
-    Attributes:
-        vertices: Per eye, ``(n,)`` skin vertices within :data:`LID_REACH`.
-        distances: Per eye, ``(n,)`` their distance from the eye's centre in radii.
-    """
-
-    vertices: tuple[NDArray[np.int64], NDArray[np.int64]]
-    distances: tuple[Points, Points]
-
-
-def find_lids(points: Points, eyes: Eyes) -> Lids:
-    """Find the skin around the eyes of the template.
+def eye_chart(eyes: Eyes, which: int, points: ArrayLike) -> Points:
+    """Tell where a point before the eye appears on its texture.
 
     Args:
-        points: ``(V, 3)`` skin of the template, mm.
-        eyes: Its eyes, in the same axes.
+        eyes: Both eyes.
+        which: 0 is the left one in the image, 1 the right one.
+        points: ``(..., 3)``, mm, in the axes of the eyes.
 
     Returns:
-        Vertices and how far they are.
+        ``(..., 2)`` radians: the angle from the gaze, across (x) and up (y).
     """
-    distances = [
-        np.linalg.norm(points - centre, axis=1) / radius
-        for centre, radius in zip(eyes.centres, eyes.radii, strict=True)
-    ]
-    near = [np.flatnonzero(d < LID_REACH) for d in distances]
-    return Lids((near[0], near[1]), (distances[0][near[0]], distances[1][near[1]]))
-
-
-def clear_lids(points: Points, eyes: Eyes, lids: Lids) -> Points:
-    """Push the skin of the lids out of the eyeballs, and their rims into them.
-
-    What is outside the eyeball of the template stays outside here, what dips into it there (the
-    lids' rims and the sockets) dips in here, so the line where lid and eye meet is always the same
-    row of the mesh.
-
-    Args:
-        points: ``(V, 3)`` skin, mm.
-        eyes: The eyes, in the same axes.
-        lids: As :func:`find_lids` found them on the template.
-
-    Returns:
-        A new array.
-    """
-    moved = points.copy()
-    for which in (0, 1):
-        index, usual = lids.vertices[which], lids.distances[which]
-        radius = eyes.radii[which]
-        offset = points[index] - eyes.centres[which]
-        distance = np.linalg.norm(offset, axis=1)
-        least = radius * np.minimum(usual, LID_CLEARANCE)
-        most = np.where(usual < 0.99, radius * np.maximum(usual, 0.985), np.inf)
-        wanted = np.clip(distance, np.where(usual >= 1.0, least, 0.0), most)
-        moved[index] = eyes.centres[which] + offset * (wanted / distance)[:, None]
-    return moved
-
-
-class LashMesh(NamedTuple):
-    """Lashes as weighted sums of the lash strips' vertices.
-
-    Attributes:
-        indices: ``(3 n, 4)`` vertices of a strip.
-        weights: ``(3 n, 4)``, may lie outside [0, 1]: lashes reach over the strip's first row.
-        faces: ``(n, 3)`` int32.
-    """
-
-    indices: NDArray[np.int64]
-    weights: Points
-    faces: NDArray[np.int32]
-
-    def place(self, strips: Points) -> NDArray[np.float32]:
-        """Return the lashes of one head: ``(3 n, 3)`` float32."""
-        corners = strips[self.indices]
-        return np.asarray(np.einsum("nk,nkc->nc", self.weights, corners), dtype=np.float32)
-
-
-def make_lashes(basis: Basis, template: BaseHead, eyes: Eyes) -> LashMesh:
-    """Cut the lash strips into thin triangles: opaque hairs instead of a transparent sheet.
-
-    Args:
-        basis: The shape space, for the strips.
-        template: Its neutral head.
-        eyes: The template's eyes, in the same axes.
-
-    Returns:
-        Five lashes for every quad that stands on a lid, fixed for all heads.
-    """
-    quads = basis.lash_quads - basis.lash_quads.min()
-    points = template.lashes
-    side = (points[quads].mean(axis=1)[:, 0] > eyes.centres[:, 0].mean()).astype(int)
-    distance = np.linalg.norm(points[quads] - eyes.centres[side][:, None], axis=2)
-    root = np.argmin(distance + np.roll(distance, -1, axis=1), axis=1)
-    turned = np.take_along_axis(quads, (root[:, None] + np.arange(4)) % 4, axis=1)
-    standing = ~np.isin(turned[:, :2], turned[:, 2:]).any(axis=1)
-    turned = turned[standing]
-    along = (np.arange(LASHES_PER_QUAD) + 0.5) / LASHES_PER_QUAD
-    half = 0.5 * _LASH_WIDTH / LASHES_PER_QUAD
-    weights = []
-    for middle in along:
-        for a, b in ((middle - half, 0.0), (middle + half, 0.0), (middle, _LASH_LENGTH)):
-            weights.append([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b])
-    n = len(turned) * LASHES_PER_QUAD
-    return LashMesh(
-        np.repeat(turned, 3 * LASHES_PER_QUAD, axis=0),
-        np.tile(np.array(weights), (len(turned), 1)),
-        np.arange(3 * n, dtype=np.int32).reshape(n, 3),
+    offset = (np.asarray(points, dtype=np.float64) - eyes.centres[which]) @ rotation_to(
+        eyes.gazes[which]
     )
+    across = np.hypot(offset[..., 0], offset[..., 1])
+    angle = np.arctan2(across, offset[..., 2])
+    share = angle / np.maximum(across, 1e-9)
+    return np.asarray(offset[..., :2] * share[..., None])

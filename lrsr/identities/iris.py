@@ -1,4 +1,8 @@
-"""What does an eye look like? Sclera with faint veins, iris with fibres and a dark rim, pupil."""
+"""What does an eye look like? Sclera with faint veins, iris with fibres and a dark rim, pupil.
+
+The lids lie closer to the eye than the mesh can show, with lashes before them: what they hide from
+the light is painted as occlusion of contact, and so are the caruncle and the wet margin.
+"""
 
 from typing import TypedDict
 
@@ -20,10 +24,10 @@ IRIS_COLOURS: dict[str, tuple[float, float, float]] = {
     "black": (0.022, 0.012, 0.007),
     "dark brown": (0.045, 0.021, 0.010),
     "brown": (0.095, 0.046, 0.019),
-    "hazel": (0.130, 0.085, 0.032),
-    "green": (0.120, 0.135, 0.068),
-    "grey": (0.175, 0.195, 0.205),
-    "blue": (0.115, 0.180, 0.260),
+    "hazel": (0.120, 0.082, 0.035),
+    "green": (0.110, 0.115, 0.066),
+    "grey": (0.145, 0.158, 0.162),
+    "blue": (0.105, 0.148, 0.195),
 }
 """Middle of the iris, linear sRGB."""
 
@@ -41,6 +45,9 @@ class Iris(TypedDict):
     ring: float
     redness: float
     yellowness: float
+    warmth: float
+    fibre: float
+    lid_shadow: float
 
 
 def sample_iris(rng: Generator, *, european: float, eumelanin: float, age: float) -> Iris:
@@ -65,23 +72,34 @@ def sample_iris(rng: Generator, *, european: float, eumelanin: float, age: float
         )
     return {
         "colour": colour,
-        "half_angle_rad": float(rng.uniform(0.37, 0.43)),
-        "pupil_share": float(rng.uniform(0.30, 0.46)),
-        "brightness": float(np.exp(rng.normal(0.0, 0.16))),
+        "half_angle_rad": float(rng.uniform(0.345, 0.39)),
+        "pupil_share": float(rng.uniform(0.30, 0.48)),
+        "brightness": float(np.exp(rng.normal(0.0, 0.16 if colour in _LIGHT else 0.3))),
         "limbus": float(rng.uniform(0.35, 0.9)),
         "ring": float(rng.uniform(0.0, 0.8)),
         "redness": float(np.clip(rng.normal(0.35 + 0.25 * age, 0.18), 0.05, 1.0)),
         "yellowness": float(np.clip(rng.normal(0.3 + 0.4 * age, 0.15), 0.0, 1.0)),
+        "warmth": float(rng.normal(0.0, 0.12)),
+        "fibre": float(rng.uniform(0.25, 0.6)),
+        "lid_shadow": float(rng.uniform(0.75, 1.15)),
     }
 
 
-def paint_eye(iris: Iris, rng: Generator, *, texture_size: int = 256) -> NDArray[np.float32]:
+def paint_eye(
+    iris: Iris,
+    rng: Generator,
+    *,
+    texture_size: int = 256,
+    margins: NDArray[np.float64] | None = None,
+) -> NDArray[np.float32]:
     """Paint one eyeball.
 
     Args:
         iris: As :func:`sample_iris` draws it.
         rng: Source of randomness: fibres and veins.
         texture_size: Rows and columns, >= 16.
+        margins: ``(2, n, 2)`` radians, the upper and the lower lid from the inner corner to the
+            outer, as angles from the axis, across and up; without them no lid shades the eye.
 
     Returns:
         ``(S, S, 3)`` float32 linear reflectance, [0, 1], laid out as ``EDGE_ANGLE_RAD`` says.
@@ -101,6 +119,8 @@ def paint_eye(iris: Iris, rng: Generator, *, texture_size: int = 256) -> NDArray
     share = iris["pupil_share"]
     pupil = smoothstep(share + 0.7 * soft + 0.01, share - 0.7 * soft - 0.01, radius)[..., None]
     colour = colour + (np.float32(0.004) - colour) * pupil
+    if margins is not None:
+        colour = _close_lids(colour, margins, iris["lid_shadow"])
     return np.asarray(np.clip(colour, 0.0, 1.0), dtype=np.float32)
 
 
@@ -114,9 +134,9 @@ def _paint_sclera(
     iris: Iris, angle: NDArray[np.float32], azimuth: NDArray[np.float32], rng: Generator
 ) -> NDArray[np.float32]:
     size = angle.shape[0]
-    white = np.array([0.62, 0.575, 0.54], dtype=np.float32)
-    pink = np.array([0.50, 0.27, 0.23], dtype=np.float32)
-    yellow = np.array([0.60, 0.50, 0.36], dtype=np.float32)
+    white = np.array([0.55, 0.505, 0.475], dtype=np.float32)
+    pink = np.array([0.46, 0.25, 0.215], dtype=np.float32)
+    yellow = np.array([0.53, 0.44, 0.32], dtype=np.float32)
     # Blood and fat lie towards the corners of the lids, left and right of the iris.
     corner = smoothstep(0.42, 1.05, angle) * (0.35 + 0.65 * np.cos(azimuth) ** 2)
     rim = smoothstep(0.95, 1.45, angle)
@@ -145,8 +165,9 @@ def _paint_iris(
     iris: Iris, radius: NDArray[np.float32], azimuth: NDArray[np.float32], rng: Generator
 ) -> NDArray[np.float32]:
     middle = np.array(IRIS_COLOURS[iris["colour"]], dtype=np.float32) * iris["brightness"]
+    middle *= np.array([1 + iris["warmth"], 1.0, 1 - iris["warmth"]], dtype=np.float32)
     fibres = _fibres(radius, azimuth, rng)
-    value = 1.0 + 0.42 * fibres
+    value = 1.0 + iris["fibre"] * fibres
     # A warmer collarette around the pupil, lighter in light eyes.
     collarette = np.exp(-(((radius - iris["pupil_share"] - 0.16) / 0.13) ** 2)) * iris["ring"]
     warm = middle * np.array([1.7, 1.25, 0.8], dtype=np.float32)
@@ -166,3 +187,31 @@ def _fibres(
     row = np.clip(radius, 0, 1) * np.float32(5)
     streaks = cv2.remap(noise, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(np.clip(0.7 * streaks, -1.6, 1.8), dtype=np.float32)
+
+
+_CARUNCLE = np.array([0.42, 0.20, 0.17], dtype=np.float32)
+_WET_MARGIN = np.array([0.46, 0.27, 0.23], dtype=np.float32)
+
+
+def _close_lids(
+    colour: NDArray[np.float32], margins: NDArray[np.float64], strength: float
+) -> NDArray[np.float32]:
+    """Shade the eye below its lids; distances in radians, 0.06 are a millimetre."""
+    centred = (np.arange(colour.shape[0], dtype=np.float32) + 0.5) / colour.shape[0] * 2 - 1
+    x, y = centred * EDGE_ANGLE_RAD, -centred[:, None] * np.float32(EDGE_ANGLE_RAD)
+    inner, outer = float(margins[:, 0, 0].mean()), float(margins[:, -1, 0].mean())
+    upper, lower = (
+        np.interp(x, *margin[np.argsort(margin[:, 0])].T).astype(np.float32) for margin in margins
+    )
+    below, above = np.maximum(upper - y, 0.0), np.maximum(y - lower, 0.0)
+    inwards = (x - inner) * np.sign(outer - inner)
+    corner = np.maximum(np.minimum(inwards, np.abs(outer - inner) - inwards), 0.0)
+    # The caruncle fills the inner corner, the wet edge of the lower lid lies on the eye.
+    flesh = smoothstep(0.20, 0.09, inwards + 0.5 * np.abs(y - 0.5 * (upper + lower)))
+    colour = colour + (_CARUNCLE - colour) * flesh[..., None].astype(np.float32)
+    wet = 0.75 * smoothstep(0.045, 0.012, above)
+    colour = colour + (_WET_MARGIN - colour) * wet[..., None].astype(np.float32)
+    shade = 0.58 * np.exp(-below / 0.07) + 0.30 * np.exp(-below / 0.22)
+    shade += 0.22 * np.exp(-above / 0.05) + 0.26 * np.exp(-corner / 0.10)
+    light = 1 - np.clip(strength * shade, 0.0, 0.88)
+    return np.asarray(colour * light[..., None], dtype=np.float32)

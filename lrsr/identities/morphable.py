@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 
 from lrsr.identities.appearance import SkinPainter, sample_appearance
 from lrsr.identities.basis import BaseHead, Basis, load_basis
-from lrsr.identities.eyes import Eyes, clear_lids, eyeball_vertices, find_eyes, unit_ball
+from lrsr.identities.eyes import Eyes, eye_chart, eyeball_vertices, find_eyes, unit_ball
 from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
+from lrsr.identities.lashes import lash_faces, place_lashes
+from lrsr.identities.lids import clear_lids, lid_margins, rest_lids
 from lrsr.identities.population import EVERYBODY, OLDEST_YEARS, YOUNGEST_YEARS, Population
 from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.proportions import load_gauge
@@ -165,19 +167,25 @@ def _paint_skin(
     return albedo, maps.displacement
 
 
-def _make_eyes(eyes: Eyes, parameters: Mapping[str, Any]) -> Iterator[Part]:
-    """Make both eyeballs, left in the image first."""
+def _make_eyes(
+    eyes: Eyes, margins: NDArray[np.float64], parameters: Mapping[str, Any]
+) -> Iterator[Part]:
+    """Make both eyeballs, left in the image first, and the lashes before them."""
     ball, rng = unit_ball(), stream(parameters["seed"], "eyes")
+    appearance = parameters["appearance"]
     for which, name in enumerate(("left_eye", "right_eye")):
-        iris = paint_eye(parameters["appearance"]["iris"], rng, texture_size=EYE_TEXTURE)
+        iris = paint_eye(
+            appearance["iris"],
+            rng,
+            texture_size=EYE_TEXTURE,
+            margins=eye_chart(eyes, which, margins[which]),
+        )
         yield Part(name, "eye", eyeball_vertices(eyes, which), ball.faces, ball.uv, iris)
 
-
-def _make_lashes(strips: NDArray[np.float64]) -> Part:
-    lashes = template().lashes
-    uv = np.full((lashes.faces.size, 2), 0.5, np.float32)
+    hairs = place_lashes(margins, eyes, appearance["lashes"], rng)
+    uv = np.full((len(hairs), 2), 0.5, np.float32)
     albedo = np.full((4, 4, 3), LASH_ALBEDO, np.float32)
-    return Part("lashes", "lash", lashes.place(strips), lashes.faces, uv, albedo)
+    yield Part("lashes", "lash", hairs, lash_faces(), uv, albedo)
 
 
 def sample_head(seed: int, *, texture_size: int = 512, population: Population = EVERYBODY) -> Head:
@@ -204,15 +212,14 @@ def sample_head(seed: int, *, texture_size: int = 512, population: Population = 
         age=parameters["age"],
         ancestry=parameters["ancestry"],
     )
-    coarse, eyes = _in_head_frame(basis, weights)
+    coarse, eyes = _in_head_frame(basis, rest_lids(basis, weights, template().lids))
     surface = basis.surface
     points = clear_lids(surface.matrix @ coarse.skin, eyes, template().lids)
     albedo, relief = _paint_skin(parameters, texture_size)
     skin = displace(points, surface.faces, relief).astype(np.float32)
     parts = (
         Part("skin", "skin", skin, surface.faces, surface.uv, albedo),
-        *_make_eyes(eyes, parameters),
-        _make_lashes(coarse.lashes),
+        *_make_eyes(eyes, lid_margins(points, eyes, template().lids), parameters),
         build_hair(parameters["hair"], skin, seed),
     )
     return Head(

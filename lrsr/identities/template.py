@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.identities.basis import BaseHead, load_basis
-from lrsr.identities.eyes import Eyes, LashMesh, Lids, find_eyes, find_lids, make_lashes
+from lrsr.identities.eyes import Eyes, find_eyes
+from lrsr.identities.lids import Lids, find_lids
 
 
 @dataclass(frozen=True)
@@ -21,13 +22,11 @@ class Template:
         skin: ``(V, 3)`` render vertices, mm.
         eyes: Its eyes.
         lids: Its skin around the eyes.
-        lashes: How lashes hang on the lash strips.
     """
 
     skin: NDArray[np.float64]
     eyes: Eyes
     lids: Lids
-    lashes: LashMesh
 
 
 @lru_cache(maxsize=1)
@@ -40,4 +39,4 @@ def template() -> Template:
     origin[2] += eyes.radii.mean()
     head, eyes = BaseHead(*(part - origin for part in head)), eyes.moved(np.eye(3), origin)
     skin = basis.surface.matrix @ head.skin
-    return Template(skin, eyes, find_lids(skin, eyes), make_lashes(basis, head, eyes))
+    return Template(skin, eyes, find_lids(skin, eyes, basis.surface.faces))

@@ -4,11 +4,10 @@ import pytest
 from lrsr.identities.basis import load_basis
 from lrsr.identities.eyes import (
     Eyes,
-    clear_lids,
+    cornea_rise,
+    eye_chart,
     eyeball_vertices,
     find_eyes,
-    find_lids,
-    make_lashes,
     rotation_to,
     unit_ball,
 )
@@ -52,7 +51,10 @@ def test_both_eyes_look_equally_high_and_nearly_straight_ahead() -> None:
 
 def test_the_ball_is_a_half_sphere_that_faces_outwards() -> None:
     ball = unit_ball()
-    np.testing.assert_allclose(np.linalg.norm(ball.vertices, axis=1), 1.0)
+    distance = np.linalg.norm(ball.vertices, axis=1)
+    polar = np.arctan2(np.hypot(*ball.vertices.T[:2]), ball.vertices[:, 2])
+    np.testing.assert_allclose(distance, 1 + cornea_rise(polar))
+    assert distance.max() == pytest.approx(1.06)
     assert ball.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-12)
     corners = ball.vertices[ball.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -61,7 +63,7 @@ def test_the_ball_is_a_half_sphere_that_faces_outwards() -> None:
 
 def test_the_texture_is_azimuthal_equidistant_with_v_downwards() -> None:
     ball = unit_ball()
-    polar = np.arccos(np.clip(ball.vertices[:, 2], -1, 1))
+    polar = np.arctan2(np.hypot(*ball.vertices.T[:2]), ball.vertices[:, 2])
     offset = ball.uv - 0.5
     np.testing.assert_allclose(np.linalg.norm(offset, axis=1), polar / np.pi, atol=1e-6)
     up = ball.vertices[:, 1].argmax()
@@ -78,47 +80,25 @@ def test_the_rotation_carries_z_to_the_direction(direction: tuple[float, float, 
     assert np.linalg.det(turn) == pytest.approx(1.0)
 
 
-def test_the_pole_of_an_eyeball_is_the_pupil() -> None:
+def test_the_pole_of_an_eyeball_lies_before_the_pupil() -> None:
     eyes = make_eyes((0.48, -0.6, 0.64))
     for which in (0, 1):
         vertices = eyeball_vertices(eyes, which)
-        np.testing.assert_allclose(vertices[0], eyes.pupils[which], atol=1e-5)
+        apex = eyes.pupils[which] + 0.06 * 12 * eyes.gazes[which]
+        np.testing.assert_allclose(vertices[0], apex, atol=1e-5)
         assert vertices.dtype == np.float32
 
 
-def test_lids_that_clear_the_eye_stay_and_pierced_ones_are_pushed_out() -> None:
-    eyes = make_eyes()
-    usual = np.array([[-30.0, 0.0, 1.0], [-30.0, 9.0, -2.0], [-30.0, 60.0, 0.0]])
-    lids = find_lids(usual, eyes)
-    pierced = usual.copy()
-    pierced[0, 2] = -2.0
-    moved = clear_lids(pierced, eyes, lids)
-    assert np.linalg.norm(moved[0] - eyes.centres[0]) == pytest.approx(12.36)  # 1.03 radii
-    np.testing.assert_array_equal(moved[1:], usual[1:])
+def test_the_cornea_is_as_curved_as_gullstrands() -> None:
+    angle = np.linspace(0.0, 0.05, 6)
+    points = (
+        16.6 * (1 + cornea_rise(angle))[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+    )
+    sagitta, half = points[0, 1] - points[-1, 1], points[-1, 0]
+    assert (half**2 + sagitta**2) / (2 * sagitta) == pytest.approx(7.8, rel=0.03)
 
 
-def test_rims_that_dip_into_the_eye_keep_doing_so() -> None:
-    eyes = make_eyes()
-    usual = np.array([[-30.0, 0.0, -0.6]])  # 0.95 radii
-    floating = np.array([[-30.0, 0.0, 2.0]])
-    moved = clear_lids(floating, eyes, find_lids(usual, eyes))
-    assert np.linalg.norm(moved[0] - eyes.centres[0]) == pytest.approx(0.985 * 12)
-
-
-def test_clearing_the_template_changes_next_to_nothing() -> None:
-    average = template()
-    moved = clear_lids(average.skin, average.eyes, average.lids)
-    assert np.abs(moved - average.skin).max() < 0.3
-
-
-def test_lashes_stand_on_the_lids_and_point_away_from_the_eye() -> None:
-    basis = load_basis()
-    head = basis.shape(basis.neutral)
-    eyes = find_eyes(basis, head)
-    lashes = make_lashes(basis, head, eyes)
-    corners = lashes.place(head.lashes)[lashes.faces].astype(float)
-    side = (corners[:, 0, 0] > eyes.centres[:, 0].mean()).astype(int)
-    distance = np.linalg.norm(corners - eyes.centres[side][:, None], axis=2)
-    assert (distance[:, 2] > distance[:, :2].max(axis=1)).all()
-    assert len(lashes.faces) == 230
-    np.testing.assert_allclose(lashes.weights.sum(axis=1), 1.0)
+def test_the_chart_of_an_eye_agrees_with_its_texture() -> None:
+    eyes, ball = make_eyes((0.48, -0.6, 0.64)), unit_ball()
+    chart = eye_chart(eyes, 1, eyeball_vertices(eyes, 1))
+    np.testing.assert_allclose(chart / np.pi * [1, -1], ball.uv - 0.5, atol=1e-5)

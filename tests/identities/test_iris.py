@@ -16,6 +16,9 @@ BROWN = {
     "ring": 0.0,
     "redness": 0.3,
     "yellowness": 0.2,
+    "warmth": 0.0,
+    "fibre": 0.42,
+    "lid_shadow": 1.0,
 }
 
 
@@ -103,7 +106,7 @@ def test_samples_keep_to_the_recipe_and_are_plain() -> None:
     rng = np.random.default_rng(0)
     for _ in range(50):
         iris = sample_iris(rng, european=0.7, eumelanin=1.0, age=0.5)
-        assert 0.37 <= iris["half_angle_rad"] <= 0.43
+        assert 0.345 <= iris["half_angle_rad"] <= 0.39
         assert json.loads(json.dumps(iris)) == iris
 
 
@@ -115,3 +118,27 @@ def test_the_same_seed_paints_the_same_eye() -> None:
 def test_a_texture_too_small_for_an_iris_is_refused() -> None:
     with pytest.raises(ValueError, match="at least 16, got 8"):
         _paint(BROWN, size=8)
+
+
+def test_lids_shade_what_lies_below_them_most_at_the_upper_one() -> None:
+    x = np.linspace(-0.8, 0.8, 20)
+    margins = np.stack([np.stack([x, np.full(20, y)], axis=-1) for y in (0.3, -0.3)])
+    white = BROWN | {"half_angle_rad": 0.05, "redness": 0.05}
+    plain, shaded = (
+        paint_eye(white, np.random.default_rng(0), margins=given).mean(axis=-1)
+        for given in (None, margins)
+    )
+    ratio = (shaded / plain)[:, 118:138].mean(axis=1)
+    row = {y: round(127.5 - y / EDGE_ANGLE_RAD * 128) for y in (0.28, 0.1, -0.15, -0.2)}
+    assert ratio[row[0.28]] < 0.5
+    assert ratio[row[0.1]] < ratio[row[-0.15]]
+    assert 0.7 < ratio[row[-0.15]] <= 1.0
+    assert ratio.max() <= 1.0
+
+
+def test_the_inner_corner_is_flesh() -> None:
+    x = np.linspace(0.8, -0.8, 20)
+    margins = np.stack([np.stack([x, np.full(20, y)], axis=-1) for y in (0.2, -0.2)])
+    eye = paint_eye(BROWN, np.random.default_rng(0), margins=margins)
+    inner, outer = (eye[127, round(127.5 + side * 60)] for side in (1, -1))
+    assert inner[0] / inner[1] > 1.4 * outer[0] / outer[1]
