@@ -26,7 +26,10 @@ def section(schema: type[Schema], config: "DictConfig", key: str) -> Schema:
     except OmegaConfBaseException as error:
         place = getattr(error, "full_key", None)
         name = f"{key}.{place}" if place else key
-        raise InputError(f"{name}: {str(error).splitlines()[0]}") from error
+        reason = str(error).splitlines()[0]
+        if "is not a ListConfig" in reason:
+            reason = f"wanted a list, e.g. {name}=[...]"
+        raise InputError(f"{name}: {reason}") from error
     return schema(**values)  # type: ignore[arg-type]  # str keys: the fields of the schema
 
 

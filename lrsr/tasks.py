@@ -5,7 +5,7 @@ Every task returns the folder that holds its result; the command line prints it 
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from lrsr.configuration import number, numbers, section, whole_number, whole_numbers
 from lrsr.errors import InputError
@@ -15,6 +15,8 @@ from lrsr.provenance import write_provenance
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
+
+    from lrsr.identities.splits import Split
 
 
 def run_eval(config: "DictConfig") -> Path:
@@ -51,9 +53,13 @@ def run_render(config: "DictConfig") -> Path:
     out = _path(config.out)
     if out is None:
         raise InputError("out=null: give the folder for the pictures, e.g. out=probes")
+    people = section(IdentityRange, config, "identities")
     settings = RenderSettings(
         out=out,
-        **asdict(section(IdentityRange, config, "identities")),
+        split=cast("Split", people.split),
+        start=people.start,
+        count=people.count,
+        cast=people.cast,
         **asdict(section(RenderingSettings, config, "rendering")),
         kind=config.kind,
         pose=_instantiate(config.pose),

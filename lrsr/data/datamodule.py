@@ -23,6 +23,7 @@ from lrsr.data.patches import PairDataset, PatchDataset, cut_patches, luminance_
 from lrsr.data.probes import load_probes, render_missing, stack
 from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.errors import InputError
+from lrsr.identities.roster import UNCHECKED, Cast
 from lrsr.identities.splits import Split
 from lrsr.paths import cache_folder
 from lrsr.rendering.geometry import film_size_px
@@ -65,6 +66,7 @@ class ProbeDataModule(LightningDataModule):
         patch_px: Side of an input patch.
         label_px: Side of a target patch.
         stride_px: From patch to patch.
+        cast: From whom people are drawn, and who of them was redrawn.
         seed: Of noise, views and the order of the patches.
         workers: Processes that gather batches; 0 is fastest, as everything is in memory.
         progress: Show a bar while rendering.
@@ -97,6 +99,7 @@ class ProbeDataModule(LightningDataModule):
         patch_px: int = 33,
         label_px: int = 21,
         stride_px: int = 14,
+        cast: Cast = UNCHECKED,
         seed: int = 0,
         workers: int = 0,
         progress: bool = True,
@@ -112,8 +115,10 @@ class ProbeDataModule(LightningDataModule):
         self.pairs = [(int(lr), int(hr)) for lr, hr in pairs or [(1, scale)]]
         self.cameras = [(camera or Camera()).compressing(name) for name in compressions]
         self.cache = RenderCache(Path(cache) if cache else cache_folder())
+        self.cast = cast
         self.template = ProbeRecipe(
             split="train",
+            population=cast.population,
             index=start,
             samples_per_pixel=samples_per_pixel,
             texture_size=texture_size,
@@ -148,6 +153,8 @@ class ProbeDataModule(LightningDataModule):
         for name, (holds, value, wish) in wanted.items():
             if not holds:
                 raise InputError(f"data {name}={value}: wanted {wish}")
+        for index in (self.start, self.start + self.count - 1):
+            self.cast.draw("train", index)  # refuses who is not on the roster
         smallest = film_size_px(min(self.distances)) * min(hr for _, hr in self.pairs)
         if smallest < self.patch_px:
             raise InputError(
@@ -189,6 +196,7 @@ class ProbeDataModule(LightningDataModule):
             lighting=lighting,
             ipd_px=ipd_px,
             scale=film,
+            draw=self.cast.draw(split, index),
         ).seeded(self.seed)
 
     def prepare_data(self) -> None:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from lrsr.camera.codec import COMPRESSIONS
 from lrsr.configuration import number, numbers, require, section, whole_number, whole_numbers, words
+from lrsr.identities.roster import Casting
 from lrsr.identities.splits import SPLITS
 
 if TYPE_CHECKING:
@@ -16,17 +17,24 @@ LEAST_SAMPLES = 64
 
 
 @dataclass(frozen=True)
-class IdentityRange:
-    """Who takes part: ``count`` people of a split, from number ``start`` on."""
+class IdentityRange(Casting):
+    """Who takes part: ``count`` people of a split, from number ``start`` on; see the base, too."""
 
     split: str = "test"
     start: int = 0
     count: int = 100
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         require(self.split in SPLITS, "identities.split", self.split, f"one of {SPLITS}")
         require(self.start >= 0, "identities.start", self.start, "at least 0")
         require(self.count >= 1, "identities.count", self.count, "at least 1")
+        roster = self.cast.roster
+        if roster is not None:
+            wanted = f"{roster.split}, as the roster's"
+            require(roster.split == self.split, "identities.split", self.split, wanted)
+        for index in (self.start, self.start + self.count - 1):
+            self.cast.draw(self.split, index)  # refuses who is not on the roster
 
 
 @dataclass(frozen=True)

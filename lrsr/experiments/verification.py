@@ -144,12 +144,15 @@ class Verification:
         people, rendering = self.settings.identities, self.settings.rendering
         what |= {
             "split": people.split,
+            "population": people.cast.population,
             "texture_size": rendering.texture_size,
             "skin": rendering.skin,
             "max_depth": rendering.max_depth,
         }
         return [
-            ProbeRecipe(index=index, **what).seeded(self.settings.seed)
+            ProbeRecipe(index=index, draw=people.cast.draw(people.split, index), **what).seeded(
+                self.settings.seed
+            )
             for index in range(people.start, people.start + people.count)
         ]
 

@@ -6,14 +6,22 @@ experiment runs on people who were checked to be different from one another.
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from lrsr.errors import InputError
 from lrsr.files import write_json
-from lrsr.identities.population import EVERYBODY, Population, population_from
+from lrsr.identities.population import (
+    ANCESTRIES,
+    EVERYBODY,
+    OLDEST_YEARS,
+    YOUNGEST_YEARS,
+    Population,
+    population_from,
+)
 from lrsr.identities.splits import SPLITS, Split
 
 FORMAT = 1
@@ -105,6 +113,56 @@ class Cast:
 
 
 UNCHECKED = Cast()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Casting:
+    """The settings that say who is cast, as plain values; see ``conf/identities``.
+
+    Attributes:
+        sex: See :class:`~lrsr.identities.population.Population`, as the next two.
+        ancestry: Some of african, asian, caucasian.
+        age_years: Youngest and oldest.
+        roster: Path of a roster; None: nobody was redrawn.
+    """
+
+    sex: str = "any"
+    ancestry: tuple[str, ...] = ANCESTRIES
+    age_years: tuple[float, float] = (YOUNGEST_YEARS, OLDEST_YEARS)
+    roster: str | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("ancestry", "age_years"):  # a configuration hands out lists
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+
+    @cached_property
+    def cast(self) -> Cast:
+        """Who is cast.
+
+        Raises:
+            InputError: There is no such population, or the roster cannot be used.
+        """
+        population = population_from(asdict(self))
+        if self.roster is None:
+            return Cast(population)
+        return Cast(population, read_roster(Path(self.roster).expanduser()))
+
+
+def make_cast(
+    sex: str, ancestry: Sequence[str], age_years: Sequence[float], roster: str | None
+) -> Cast:
+    """Say who is cast, from a composed configuration; see :class:`Casting`.
+
+    Raises:
+        InputError: There is no such population, or the roster cannot be used.
+    """
+    low_high: tuple[float, ...] = tuple(age_years)
+    return Casting(
+        sex=sex,
+        ancestry=tuple(ancestry),
+        age_years=low_high,  # type: ignore[arg-type]  # its length is checked by the population
+        roster=roster,
+    ).cast
 
 
 def write_roster(path: Path, roster: Roster) -> Path:

@@ -20,6 +20,7 @@ from lrsr.data.probes import Probe, load_probes, render_missing
 from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.data.variety import random_lighting, random_pose
 from lrsr.errors import InputError
+from lrsr.identities.roster import Casting
 from lrsr.identities.splits import Split
 from lrsr.images import scale_points
 from lrsr.recognition.alignment import align
@@ -34,8 +35,8 @@ _CHUNK = 64
 
 
 @dataclass(frozen=True)
-class FaceSettings:
-    """What is rendered to train and to validate an embedder.
+class FaceSettings(Casting):
+    """What is rendered to train and to validate an embedder, and of whom (the base's attributes).
 
     Attributes:
         identities: People to learn, of the split "train", >= 2.
@@ -75,6 +76,7 @@ class FaceSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in ("sharp_ipd_px", "small_ipd_px"):
             low, high = (float(ipd) for ipd in getattr(self, name))
             object.__setattr__(self, name, (low, high))
@@ -84,6 +86,8 @@ class FaceSettings:
         for name, minimum in least.items():
             if getattr(self, name) < minimum:
                 raise InputError(f"faces.{name}={getattr(self, name)}: wanted at least {minimum}")
+        for index in (self.start, self.start + self.identities - 1):
+            self.cast.draw("train", index)  # refuses who is not on the roster
 
 
 @dataclass(frozen=True)
@@ -228,6 +232,8 @@ def _views(settings: FaceSettings, index: int) -> Iterator[ProbeRecipe]:
         yield ProbeRecipe(
             split="train",
             index=index,
+            population=settings.cast.population,
+            draw=settings.cast.draw("train", index),
             pose="frontal" if view == 0 else pose,
             lighting=lighting,
             ipd_px=round(rng.uniform(low, high), 2),
@@ -246,6 +252,8 @@ def _frontal(
     return ProbeRecipe(
         split=split,
         index=index,
+        population=settings.cast.population,
+        draw=settings.cast.draw(split, index),
         kind="gallery" if lighting == "frontal" else "probe",
         lighting=lighting,
         ipd_px=ipd_px,

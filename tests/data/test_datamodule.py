@@ -15,6 +15,9 @@ from lrsr.data.cache import RenderCache
 from lrsr.data.patches import PatchDataset, cut_patches
 from lrsr.data.probes import load_probes, stack
 from lrsr.errors import InputError
+from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.population import Population
+from lrsr.identities.roster import Cast, Roster
 from lrsr.images import luminance, resize_bicubic
 
 
@@ -230,3 +233,14 @@ def test_images_smaller_than_a_patch_are_refused_before_they_are_rendered(
 def test_loaders_want_the_data_first(folder: Path, maker: FakeMaker) -> None:
     with pytest.raises(RuntimeError, match=r"call prepare_data\(\) and setup\(\) first"):
         module(folder, maker).train_dataloader()
+
+
+def test_who_is_cast_is_who_is_learned(folder: Path, maker: FakeMaker) -> None:
+    women = Population("female")
+    cast = Cast(women, Roster("train", 0, 6, women, RECIPE_VERSION, "dlib", 11.2, {4: 1}))
+    data = module(folder, maker, cast=cast)
+    assert [recipe.draw for recipe in data.recipes("train", 1)] == [0, 0, 0, 0, 1, 0]
+    people = [*data.recipes("train", 1), *data.recipes("validation", 2)]
+    assert {recipe.population for recipe in people} == {women}
+    with pytest.raises(InputError, match="covers train 0 to 5"):
+        module(folder, maker, cast=cast, count=7)

@@ -19,6 +19,9 @@ from lrsr.data.probes import load_probes, load_radiances
 from lrsr.data.render import RenderSettings, render_to_folder
 from lrsr.errors import InputError
 from lrsr.identities.head import Head
+from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.population import Population
+from lrsr.identities.roster import Cast, Roster
 from lrsr.images import linear_to_srgb
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Pose
@@ -235,3 +238,13 @@ def test_a_full_disk_is_one_line_and_leaves_no_manifest(
     with pytest.raises(InputError, match="No space left on device"):
         render(settings, maker)
     assert not (settings.out / "manifest.csv").exists()
+
+
+def test_who_is_cast_is_who_is_rendered(settings: RenderSettings, maker: FakeMaker) -> None:
+    women = Population("female")
+    cast = Cast(women, Roster("test", 0, 2, women, RECIPE_VERSION, "dlib", 11.2, {1: 3}))
+    render(replace(settings, cast=cast), maker)
+    names = [row.identity_id for row in read_manifest(settings.out)]
+    assert names == ["test-00000-female", "test-00001-female-draw3"]
+    with pytest.raises(InputError, match="covers test 0 to 1"):
+        replace(settings, cast=cast, count=3)

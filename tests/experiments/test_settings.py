@@ -1,4 +1,5 @@
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hydra import compose, initialize_config_dir
@@ -13,6 +14,9 @@ from lrsr.experiments.settings import (
     section,
     verification_settings,
 )
+from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.population import Population
+from lrsr.identities.roster import Roster, write_roster
 from lrsr.paths import config_folder
 
 
@@ -56,6 +60,11 @@ def test_conditions_are_sizes_times_options() -> None:
         ("identities.start=-1", "identities.start=-1"),
         ("identities.split=everyone", "identities.split=everyone"),
         ("identities.count=few", "identities.count"),
+        ("identities.sex=woman", "identities.sex=woman: wanted one of any"),
+        ("identities.ancestry=asian", r"identities.ancestry: wanted a list"),
+        ("identities.ancestry=[martian]", r"identities.ancestry=\[martian\]"),
+        ("identities.age_years=[12,30]", r"identities.age_years=\[12,30\]"),
+        ("identities.roster=none.json", "cannot read none.json"),
         ("gallery.ipd_px=1", "gallery.ipd_px"),
         ("gallery.samples_per_pixel=0", "gallery.samples_per_pixel=0"),
         ("rendering.samples_per_pixel=0", "rendering.samples_per_pixel=0"),
@@ -64,6 +73,38 @@ def test_conditions_are_sizes_times_options() -> None:
 def test_a_wrong_value_names_the_setting_and_the_remedy(override: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         verification_settings(composed(override))
+
+
+@pytest.fixture
+def roster(tmp_path: Path) -> Path:
+    content = Roster("test", 0, 30, Population("female"), RECIPE_VERSION, "dlib", 11.2, {3: 2})
+    return write_roster(tmp_path / "roster.json", content)
+
+
+def test_a_roster_says_who_was_redrawn(roster: Path) -> None:
+    words = [f"identities.roster={roster}", "identities/population=women", "identities.count=30"]
+    people = verification_settings(composed(*words)).identities
+    assert [people.cast.draw("test", index) for index in (2, 3, 4)] == [0, 2, 0]
+
+
+@pytest.mark.parametrize(
+    ("override", "says"),
+    [
+        ("identities.count=31", "covers test 0 to 29, not 30"),
+        ("identities.sex=any", "another population: add identities.sex=female"),
+        ("identities.split=train", "identities.split=train: wanted test, as the roster's"),
+    ],
+)
+def test_a_roster_that_does_not_fit_is_refused(roster: Path, override: str, says: str) -> None:
+    words = [f"identities.roster={roster}", "identities.sex=female", "identities.count=30"]
+    with pytest.raises(InputError, match=says):
+        verification_settings(composed(*words, override))
+
+
+@pytest.mark.parametrize("option", ["everybody", "women", "men", "young", "elderly"])
+def test_every_shipped_population_exists(option: str) -> None:
+    people = verification_settings(composed(f"identities/population={option}")).identities
+    assert (people.cast.population.tag == "") == (option == "everybody")
 
 
 def test_an_unknown_compression_is_refused() -> None:

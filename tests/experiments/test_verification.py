@@ -18,6 +18,9 @@ from lrsr.experiments.settings import (
     VerificationSettings,
 )
 from lrsr.experiments.verification import Verification
+from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.population import Population
+from lrsr.identities.roster import Roster, write_roster
 from lrsr.images import luminance, resize_bicubic
 from lrsr.recognition import Engine
 
@@ -51,6 +54,22 @@ def test_everything_is_rendered_once_and_kept(tmp_path: Path, tone_model: Path) 
     assert experiment.render(progress=False) == 12 * (1 + 3)
     assert experiment.render(progress=False) == 0
     assert trial(tmp_path, tone_model).render(progress=False) == 0
+
+
+def test_the_people_are_those_of_the_population_and_the_roster(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    redrawn = Roster("test", 0, 12, Population("female"), RECIPE_VERSION, "dlib", 11.2, {3: 2})
+    roster = write_roster(tmp_path / "roster.json", redrawn)
+    people = IdentityRange(count=12, sex="female", roster=str(roster))
+    experiment = trial(tmp_path, tone_model, replace(SETTINGS, identities=people))
+    recipes = [
+        *experiment.gallery_recipes(),
+        *experiment.probe_recipes(SETTINGS.conditions[0], 4),
+    ]
+    assert {recipe.population for recipe in recipes} == {Population("female")}
+    assert [recipe.index for recipe in recipes if recipe.draw == 2] == [3, 3]
+    assert {recipe.draw for recipe in recipes if recipe.index != 3} == {0}
 
 
 def test_a_probe_has_other_noise_than_its_gallery_picture(tmp_path: Path, tone_model: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 from lrsr.errors import InputError
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import EVERYBODY, Population
-from lrsr.identities.roster import Cast, Roster, read_roster, write_roster
+from lrsr.identities.roster import Cast, Casting, Roster, make_cast, read_roster, write_roster
 from lrsr.identities.splits import identity_seed, split_of
 
 WOMEN = Population("female", ("asian",), (30, 50))
@@ -136,3 +136,17 @@ def test_a_folder_that_cannot_be_written_is_one_line(path: Path) -> None:
 def test_an_impossible_roster_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="a roster of"):
         replace(ROSTER, **wrong)
+
+
+def test_settings_say_who_is_cast(path: Path) -> None:
+    settings = Casting(sex="female", ancestry=("asian",), age_years=(30, 50), roster=str(path))
+    assert settings.cast == Cast(WOMEN, ROSTER)
+    assert make_cast("female", ["asian"], [30, 50], str(path)) == settings.cast
+    assert Casting().cast == Cast()
+
+
+def test_settings_that_name_nobody_are_refused() -> None:
+    with pytest.raises(InputError, match=r"identities\.sex=woman"):
+        _ = Casting(sex="woman").cast
+    with pytest.raises(InputError, match=r"identities.age_years=\[30\]"):
+        make_cast("any", ["asian"], [30], None)

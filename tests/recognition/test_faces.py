@@ -1,3 +1,5 @@
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -5,6 +7,9 @@ import torch
 
 from lrsr.data.cache import RenderCache
 from lrsr.errors import InputError
+from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.population import Population
+from lrsr.identities.roster import Roster, write_roster
 from lrsr.recognition.faces import (
     FaceSettings,
     load_training_faces,
@@ -27,6 +32,18 @@ def test_nobody_learned_is_used_to_validate() -> None:
     }
     assert learned == {"train-00000", "train-00001", "train-00002"}
     assert validated == {"validation-00000", "validation-00001"}
+
+
+def test_a_roster_redraws_who_is_learned_and_nobody_who_validates(tmp_path: Path) -> None:
+    men = Population("male")
+    redrawn = Roster("train", 0, 3, men, RECIPE_VERSION, "dlib", 11.2, {1: 2})
+    path = write_roster(tmp_path / "roster.json", redrawn)
+    settings = replace(FEW, sex="male", roster=str(path))
+    assert [view.draw for view in training_recipes(settings)] == [0, 0, 0, 2, 2, 2, 0, 0, 0]
+    validated = [view for views in validation_recipes(settings).values() for view in views]
+    assert {(view.population, view.draw) for view in validated} == {(men, 0)}
+    with pytest.raises(InputError, match="covers train 0 to 2"):
+        replace(settings, identities=4)
 
 
 def test_every_person_is_seen_frontally_once_and_small_as_asked() -> None:
