@@ -1,7 +1,7 @@
 """What does a person's skin look like? Pigments, lips, brows, beard, marks and lines as textures.
 
-:func:`sample_appearance` draws plain numbers, :func:`paint_skin` turns them into a linear albedo
-and a relief. Everything is drawn on the template head and reaches the texture through its
+:func:`sample_appearance` draws plain numbers, :func:`paint_skin` turns them into a linear albedo,
+a relief and a sheen. Everything is drawn on the template head and reaches the texture through its
 position map.
 """
 
@@ -12,7 +12,6 @@ import cv2
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from lrsr.identities import regions
 from lrsr.identities.beard import Beard, sample_beard
@@ -20,13 +19,17 @@ from lrsr.identities.brows import Brows, sample_brows
 from lrsr.identities.canvas import FloatMap
 from lrsr.identities.complexion import Complexion, sample_complexion
 from lrsr.identities.features import FeaturePainter
+from lrsr.identities.grain import Grain, GrainPainter, sample_grain
 from lrsr.identities.hair_colour import HairColour, sample_hair_colour
 from lrsr.identities.iris import Iris, sample_iris
 from lrsr.identities.lashes import Lashes, sample_lashes
-from lrsr.identities.lines import ALBEDO_PER_MM, Lines, draw_lines, sample_lines
+from lrsr.identities.layout import Layout
+from lrsr.identities.lines import Lines, draw_lines, sample_lines
 from lrsr.identities.make_up import Lips, MakeUp, sample_lips, sample_make_up
-from lrsr.identities.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_marks, sample_marks
-from lrsr.identities.skin_tone import tone_map
+from lrsr.identities.marks import Marks, sample_marks
+from lrsr.identities.pigments import PigmentPainter
+from lrsr.identities.relief import split_heights
+from lrsr.identities.sheen import Sheen, SheenPainter, sample_sheen
 
 
 class Appearance(TypedDict):
@@ -42,6 +45,8 @@ class Appearance(TypedDict):
     hair_colour: HairColour
     iris: Iris
     lashes: Lashes
+    grain: Grain
+    sheen: Sheen
 
 
 @dataclass(frozen=True)
@@ -50,11 +55,16 @@ class SkinMaps:
 
     Attributes:
         albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, [0, 1], filled beyond the mask.
+        height: ``(H, W)`` float32, mm outwards: pores, creases and what of the lines is too fine
+            for the mesh.
+        roughness: ``(h, w)`` float32, of the specular reflection, [0, 1]; coarser than the albedo.
         displacement: ``(V,)`` float32, mm along the normal of each vertex that the painter knows:
             grooves below, beards above the skin.
     """
 
     albedo: FloatMap
+    height: FloatMap
+    roughness: FloatMap
     displacement: FloatMap
 
 
@@ -79,7 +89,7 @@ def sample_appearance(
     """
     shares = np.asarray(ancestry, dtype=np.float64)
     asian, european = float(shares[1]), float(shares[2])
-    child = dict(zip(Appearance.__annotations__, rng.spawn(10), strict=True))
+    child = dict(zip(Appearance.__annotations__, rng.spawn(12), strict=True))
     hair = sample_hair_colour(child["hair_colour"], age=age, ancestry=shares)
     complexion = sample_complexion(child["complexion"], age=age, ancestry=shares)
     return {
@@ -95,6 +105,8 @@ def sample_appearance(
         "hair_colour": hair,
         "iris": sample_iris(child["iris"], european=european, eumelanin=hair["eumelanin"], age=age),
         "lashes": sample_lashes(child["lashes"], masculinity=masculinity),
+        "grain": sample_grain(child["grain"], masculinity=masculinity, age=age),
+        "sheen": sample_sheen(child["sheen"], age=age),
     }
 
 
@@ -116,23 +128,18 @@ class SkinPainter:
         mask: NDArray[np.bool_],
         vertices: NDArray[Any] | None = None,
     ) -> None:
-        if position_map.shape != (*mask.shape, 3):
-            raise ValueError(
-                f"position_map {position_map.shape} and mask {mask.shape} do not belong together"
-            )
-        if not mask.any():
-            raise ValueError("the mask is empty: no texel lies on the skin")
-        position = _fill_outside(position_map, mask)
+        layout = Layout(position_map, mask)
         vertices = np.zeros((0, 3)) if vertices is None else vertices
-        self._texels = _Places(position)
-        self._vertices = _Places(vertices)
-        self._features = FeaturePainter(position, vertices, _texel_size(position, mask))
-        self._noise_pixels = _noise_pixels(position)
-        self._regions = regions.blood_regions(position)
-        self._contact = regions.lip_contact(position) * self._texels.lips
-        self._nostrils = regions.nostrils(position)
-        front = self._texels.front
-        self._waterline = regions.lid_margin(self._texels.face_pixels, 1.2) * front
+        self._layout = layout
+        self._pigments = PigmentPainter(layout)
+        self._grain = GrainPainter(layout)
+        size = layout.coarse.shape[1::-1]
+        lips = cv2.resize(layout.lips, size, interpolation=cv2.INTER_AREA)
+        self._sheen = SheenPainter(layout.coarse, np.asarray(lips))
+        self._features = FeaturePainter(layout.position, vertices, layout.texel_mm)
+        vertices = np.asarray(vertices, dtype=np.float32)
+        self._vertex_pixels = regions.FACE.to_pixels(vertices)
+        self._vertex_front = regions.front(vertices)
 
     def paint(self, appearance: Appearance, seed: int) -> SkinMaps:
         """Paint one person.
@@ -142,74 +149,36 @@ class SkinPainter:
             seed: Of the noise and of the single hairs, >= 0; the same seed gives the same bytes.
 
         Returns:
-            Albedo and displacement.
+            Albedo, relief and sheen.
         """
-        of_tone, of_beard, of_brows = np.random.default_rng(seed).spawn(3)
-        heights = draw_lines(appearance["lines"], regions.FACE)
-        albedo = self._paint_tone(appearance, of_tone)
-        groove = regions.FACE.sample(heights, self._texels.face_pixels) * self._texels.front
-        albedo *= np.exp(np.float32(ALBEDO_PER_MM) * groove)[..., None]
-        hair = appearance["hair_colour"]
+        of_tone, of_beard, of_brows, of_sheen = np.random.default_rng(seed).spawn(4)
+        layout, hair = self._layout, appearance["hair_colour"]
+        lines = draw_lines(appearance["lines"], regions.FACE)
+        coarse, fine = split_heights(lines, regions.FACE.pixel_mm)
+        groove = regions.FACE.sample(fine, layout.face_pixels)
+        groove *= layout.front
+        grain = self._grain.paint(appearance["grain"])
+        albedo = self._pigments.paint(
+            appearance["complexion"],
+            appearance["lips"],
+            appearance["marks"],
+            grain,
+            groove,
+            of_tone,
+        )
+        grain.height[layout.face] += groove
         self._features.paint_make_up(albedo, appearance["make_up"])
         beard = self._features.paint_beard(albedo, appearance["beard"], hair, of_beard)
         self._features.paint_brows(albedo, appearance["brows"], hair, of_brows)
-        return SkinMaps(np.clip(albedo, 0.0, 1.0), self._displace(heights, beard))
-
-    def _paint_tone(self, appearance: Appearance, rng: Generator) -> FloatMap:
-        skin, lips = appearance["complexion"], appearance["lips"]
-        melanin, blood = self._mottle(skin, rng)
-        melanin += np.float32(np.log(skin["melanin"]))
-        blood += np.float32(np.log(skin["blood"]))
-        circles = np.float32(skin["dark_circles"])
-        melanin += circles * self._regions["circles"]
-        blood += np.float32(0.9) * circles * self._regions["circles"]
-        melanin += np.float32(skin["tan"]) * self._regions["forehead"]
-        for name in ("cheeks", "nose", "ears", "lids", "chin", "forehead"):
-            blood += np.float32(skin[name]) * self._regions[name]
-        blood += np.float32(lips["blood"]) * self._texels.lips
-        melanin += np.float32(lips["melanin"]) * self._texels.lips
-        blood += np.float32(0.6) * self._waterline
-        marks = draw_marks(appearance["marks"], regions.FACE)
-        spots = regions.FACE.sample(marks, self._texels.face_pixels).astype(np.float32)
-        melanin += np.float32(LOG_MELANIN_PER_LEVEL) * spots * self._texels.bare
-        colour = tone_map(melanin, blood)
-        shade = 1 - np.float32(0.45) * self._contact - np.float32(0.5) * self._nostrils
-        colour *= shade[..., None]
-        return colour
-
-    def _mottle(self, skin: Complexion, rng: Generator) -> tuple[FloatMap, FloatMap]:
-        """Three octaves of noise in the logarithms of melanin and of blood."""
-        height, width = _NOISE_SHAPE
-        sheet = np.zeros((height, width, 2), dtype=np.float32)
-        for cells, melanin, blood in ((12, 0.06, 0.09), (36, 0.05, 0.08), (110, 0.03, 0.05)):
-            rows = max(2, cells * height // width)
-            grid = rng.standard_normal((rows, cells, 2), dtype=np.float32)
-            grid *= np.array([melanin, blood], dtype=np.float32)
-            grid = np.concatenate([grid, grid[:, :1]], axis=1)
-            sheet += cv2.resize(grid, (width, height), interpolation=cv2.INTER_CUBIC)
-        sheet *= np.array([skin["melanin_mottle"], skin["blood_mottle"]], dtype=np.float32)
-        noise = cv2.remap(
-            sheet, self._noise_pixels, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT
-        )
-        return np.ascontiguousarray(noise[..., 0]), np.ascontiguousarray(noise[..., 1])
+        np.clip(albedo, 0.0, 1.0, out=albedo)
+        roughness = self._sheen.paint(appearance["sheen"], of_sheen)
+        return SkinMaps(albedo, grain.height, roughness, self._displace(coarse, beard))
 
     def _displace(self, heights: FloatMap, beard: FloatMap) -> FloatMap:
-        places = self._vertices
-        if not len(places.front):
+        if not len(self._vertex_front):
             return np.zeros(0, dtype=np.float32)
-        grooves = regions.FACE.sample(heights, places.face_pixels) * places.front
+        grooves = regions.FACE.sample(heights, self._vertex_pixels) * self._vertex_front
         return np.asarray(grooves + beard, dtype=np.float32)
-
-
-class _Places:
-    """What never changes about a set of template points: where they lie on each sheet."""
-
-    def __init__(self, position: NDArray[Any]) -> None:
-        position = np.asarray(position, dtype=np.float32)
-        self.front = regions.front(position)
-        self.face_pixels = regions.FACE.to_pixels(position)
-        self.lips = regions.lip_mask(position, self.face_pixels)
-        self.bare = self.front * (1 - self.lips)
 
 
 def paint_skin(
@@ -227,28 +196,3 @@ def paint_skin(
         Albedo, ``(H, W, 3)``, and no displacement.
     """
     return SkinPainter(position_map, mask).paint(appearance, seed)
-
-
-_NOISE_SHAPE = (256, 320)
-_AXIS_Z_MM = -80.0
-
-
-def _noise_pixels(position: FloatMap) -> FloatMap:
-    """Cylinder around the head: azimuth to columns, height to rows; it wraps behind the head."""
-    azimuth = np.arctan2(position[..., 0], position[..., 2] - np.float32(_AXIS_Z_MM))
-    column = (azimuth / np.float32(2 * np.pi) + np.float32(0.5)) * (_NOISE_SHAPE[1] - 1)
-    row = (np.float32(130.0) - position[..., 1]) / np.float32(340.0) * _NOISE_SHAPE[0]
-    return np.stack([column, row], axis=-1).astype(np.float32)
-
-
-def _fill_outside(position_map: NDArray[Any], mask: NDArray[np.bool_]) -> FloatMap:
-    """Give texels beyond the mask the nearest skin's position, so that borders never bleed."""
-    nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
-    return np.ascontiguousarray(position_map[tuple(nearest)], dtype=np.float32)
-
-
-def _texel_size(position: FloatMap, mask: NDArray[np.bool_]) -> float:
-    """Median distance of neighbouring texels on the front of the face, mm."""
-    both = mask[:, 1:] & mask[:, :-1] & (position[:, 1:, 2] > -15) & (position[:, 1:, 1] > -110)
-    step = np.linalg.norm(np.diff(position, axis=1), axis=-1)[both]
-    return float(np.median(step)) if step.size else 1.0

@@ -29,6 +29,7 @@ class Complexion(TypedDict):
     forehead: float
     dark_circles: float
     tan: float
+    lip_fading: float
 
 
 def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Complexion:
@@ -36,7 +37,7 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
 
     Args:
         rng: Source of randomness.
-        age: 0 (25 years) to 1 (old): darker circles under the eyes.
+        age: 0 (25 years) to 1 (old): darker circles under the eyes, uneven pigment, paler lips.
         ancestry: ``(3,)`` shares of African, Asian and European ancestry, summing to 1.
 
     Returns:
@@ -49,8 +50,8 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
     return {
         "melanin": float(np.clip(melanin, *MELANIN_LIMITS)),
         "blood": float(np.clip(blood, *BLOOD_LIMITS)),
-        "melanin_mottle": float(rng.uniform(0.6, 1.5)),
-        "blood_mottle": float(rng.uniform(0.6, 1.5)),
+        "melanin_mottle": float(rng.uniform(0.5, 1.5) * (1 + 0.5 * age)),
+        "blood_mottle": float(rng.uniform(0.5, 1.7)),
         "cheeks": float(0.42 * flush * rng.uniform(0.3, 1.5)),
         "nose": float(0.38 * flush * rng.uniform(0.3, 1.4)),
         "ears": float(rng.uniform(0.15, 0.6)),
@@ -59,4 +60,5 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
         "forehead": float(rng.uniform(-0.25, 0.1)),
         "dark_circles": float(np.clip(rng.normal(0.15 + 0.2 * age, 0.17), 0.0, 0.55)),
         "tan": float(rng.uniform(-0.1, 0.25)),
+        "lip_fading": float(age * rng.uniform(0.15, 0.6)),
     }

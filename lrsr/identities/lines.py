@@ -1,5 +1,11 @@
-"""Which lines has a life drawn into a face? Gaussian grooves on a sheet of heights."""
+"""Which lines has a life drawn into a face? Grooves and bags on a sheet of heights.
 
+Groups and their order of appearance follow Lemperle et al. 2001 ("A classification of facial
+wrinkles"): forehead, frown, crow's feet, under the eye, nose to mouth, upper lip, mouth to chin.
+Depths of 0.1 mm are fine lines, of 0.8 mm deep wrinkles.
+"""
+
+from itertools import pairwise
 from typing import TypedDict
 
 import cv2
@@ -9,14 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from lrsr.identities.canvas import Canvas, FloatMap
 
-ALBEDO_PER_MM = 0.42
-"""Skin's albedo falls by exp(0.42 h) in a groove of height h (mm, negative): it shades itself."""
-
 _SUBPIXEL_BITS = 4
+_VALLEY_MM = 1.5
+_TAPER_STEPS = 7
 
 
 class Lines(TypedDict):
-    """Depth of each group of lines, 0 (none) to about 1 (deep), and where the single ones run."""
+    """Strength of each group, 0 (none) to about 1 (deep), and where the single lines run."""
 
     forehead: float
     glabella: float
@@ -26,6 +31,11 @@ class Lines(TypedDict):
     marionette: float
     forehead_count: int
     paths_seed: int
+    eye_bags: float
+    upper_lip: float
+    cheeks: float
+    chin: float
+    lid_crease: float
 
 
 def sample_lines(rng: Generator, *, age: float) -> Lines:
@@ -38,38 +48,50 @@ def sample_lines(rng: Generator, *, age: float) -> Lines:
     Returns:
         Plain numbers.
     """
-    worn = max(0.0, age - 0.12) ** 1.15
+    worn = max(0.0, age - 0.06) ** 1.1
 
     def depth(share: float) -> float:
-        return float(min(1.2, share * worn * np.exp(rng.normal(0.0, 0.5))))
+        return float(min(1.3, share * worn * np.exp(rng.normal(0.0, 0.4))))
 
     return {
-        "forehead": depth(0.75),
-        "glabella": depth(0.65),
-        "crows_feet": depth(0.8),
-        "under_eye": depth(0.7),
-        "nasolabial": float(min(1.2, 0.10 + rng.uniform(0.0, 0.15) + depth(0.75))),
-        "marionette": depth(0.65),
+        "forehead": depth(1.0),
+        "glabella": depth(0.9),
+        "crows_feet": depth(1.1),
+        "under_eye": depth(1.0),
+        "nasolabial": float(min(1.2, 0.06 + rng.uniform(0.0, 0.15) + depth(0.8))),
+        "marionette": depth(0.8),
         "forehead_count": int(rng.integers(2, 6)),
         "paths_seed": int(rng.integers(1 << 31)),
+        "eye_bags": depth(0.9),
+        "upper_lip": depth(0.9),
+        "cheeks": float(max(0.0, age - 0.35) * min(2.0, np.exp(rng.normal(0.0, 0.5)))),
+        "chin": float(rng.uniform(0.0, 0.25) + depth(0.4)),
+        "lid_crease": float(rng.uniform(0.0, 0.45)),
     }
 
 
 def draw_lines(lines: Lines, canvas: Canvas) -> FloatMap:
-    """Draw all grooves on a frontal sheet.
+    """Draw all grooves and bags on a frontal sheet.
 
     Args:
         lines: As :func:`sample_lines` draws them.
         canvas: The sheet.
 
     Returns:
-        ``(H, W)`` float32, height in mm, <= 0.
+        ``(H, W)`` float32, height in mm; grooves below, bags above 0.
     """
     rng = np.random.default_rng(lines["paths_seed"])
     sheet = np.zeros(canvas.shape, dtype=np.float32)
     _draw_forehead(lines, rng, canvas, sheet)
     for side in (-1.0, 1.0):
         _draw_side(lines, rng, canvas, sheet, side)
+    _draw_mouth(lines, rng, canvas, sheet)
+    # A fold is a sharp cut in a shallow valley.
+    valley = cv2.GaussianBlur(sheet, (0, 0), _VALLEY_MM / canvas.pixel_mm)
+    cv2.addWeighted(sheet, 0.75, valley, 0.6, 0.0, sheet)
+    for side in (-1.0, 1.0):
+        bag = np.array([(20.0, -14.0), (27.0, -17.5), (34.0, -17.5), (41.0, -13.0)]) * (side, 1)
+        carve_groove(canvas, sheet, bag, -0.9 * lines["eye_bags"] * rng.uniform(0.9, 1.1), 2.6)
     return sheet
 
 
@@ -78,14 +100,16 @@ def carve_groove(
 ) -> None:
     """Carve one groove whose profile is a Gaussian and whose ends run out; only its box is touched.
 
+    A negative depth makes a ridge.
+
     Args:
         canvas: The sheet's place.
         sheet: ``(H, W)`` float32, mm, lowered in place.
         path_mm: ``(K, 2)`` corner points, smoothed by a spline-like subdivision.
-        depth_mm: Greatest depth, mm; nothing happens below 0.01.
+        depth_mm: Greatest depth, mm; nothing happens between -0.01 and 0.01.
         width_mm: Standard deviation of the profile, mm.
     """
-    if depth_mm < 0.01:
+    if abs(depth_mm) < 0.01:
         return
     path = _smooth(np.asarray(path_mm, dtype=np.float64))
     pixels = canvas.to_pixels(path)
@@ -97,10 +121,12 @@ def carve_groove(
     if (high <= low).any():
         return
     box = np.zeros((high[1] - low[1], high[0] - low[0]), dtype=np.float32)
-    taper = np.sin(np.pi * (np.arange(len(path) - 1) + 0.5) / (len(path) - 1)) ** 0.7
     corners = np.round((pixels - low) * (1 << _SUBPIXEL_BITS)).astype(np.int32)
-    for begin, end, share in zip(corners[:-1], corners[1:], taper, strict=True):
-        cv2.line(box, begin.tolist(), end.tolist(), float(share), 1, cv2.LINE_8, _SUBPIXEL_BITS)
+    cuts = np.unique(np.linspace(0, len(path) - 1, _TAPER_STEPS + 1).astype(int))
+    for begin, end in pairwise(cuts):
+        taper = float(np.sin(np.pi * (begin + end) / 2 / (len(path) - 1)) ** 0.7)
+        run = [corners[begin : end + 1]]
+        cv2.polylines(box, run, False, taper, 1, cv2.LINE_8, _SUBPIXEL_BITS)
     box = cv2.GaussianBlur(box, (0, 0), sigma)
     # A line one pixel wide loses sigma sqrt(2 pi) of its height to the blur.
     sheet[low[1] : high[1], low[0] : high[0]] -= box * np.float32(
@@ -118,28 +144,56 @@ def _smooth(path: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _draw_forehead(lines: Lines, rng: Generator, canvas: Canvas, sheet: FloatMap) -> None:
-    heights = np.linspace(36.0, 62.0, lines["forehead_count"]) + rng.normal(0, 1.5)
+    heights = np.linspace(34.0, 62.0, lines["forehead_count"]) + rng.normal(0, 1.5)
     for height in heights:
-        reach = rng.uniform(22.0, 44.0, 2)
-        x = np.linspace(-reach[0], reach[1], 7)
-        y = height + 3.0 * np.cos(x / 22.0) - 0.002 * x**2 + rng.normal(0.0, 0.9, 7)
-        depth = 0.7 * lines["forehead"] * rng.uniform(0.5, 1.1)
-        carve_groove(canvas, sheet, np.stack([x, y], axis=-1), depth, rng.uniform(0.8, 1.3))
+        reach = rng.uniform(22.0, 46.0, 2)
+        sag = rng.uniform(1.5, 4.5)
+        breaks = np.sort(rng.uniform(-reach[0], reach[1], rng.integers(0, 3)))
+        ends = np.concatenate([[-reach[0] - 4], breaks, [reach[1] + 4]])
+        for begin, end in pairwise(ends):
+            x = np.linspace(begin - 2, end + 2, 6)
+            y = height + sag * np.cos(x / 18.0) - 0.002 * x**2 + rng.normal(0.0, 0.7, 6)
+            depth = 0.5 * lines["forehead"] * rng.uniform(0.5, 1.1)
+            path = np.stack([x, y + rng.normal(0.0, 0.8)], axis=-1)
+            carve_groove(canvas, sheet, path, depth, rng.uniform(0.55, 0.9))
 
 
 def _draw_side(lines: Lines, rng: Generator, canvas: Canvas, sheet: FloatMap, side: float) -> None:
-    def carve(path: list[tuple[float, float]], depth: float, width: float) -> None:
-        moved = (np.array(path) + rng.normal(0.0, 0.7, (len(path), 2))) * (side, 1.0)
-        carve_groove(canvas, sheet, moved, depth * rng.uniform(0.75, 1.15), width)
+    def carve(path: list[tuple[float, float]], depth: float, width: float, jitter: float) -> None:
+        moved = (np.array(path) + rng.normal(0.0, jitter, (len(path), 2))) * (side, 1.0)
+        carve_groove(canvas, sheet, moved, depth * rng.uniform(0.7, 1.2), width)
 
-    carve([(5.5, 10.0), (5.0, 18.0), (6.5, 29.0)], 0.55 * lines["glabella"], 1.0)
-    for slope in (0.55, 0.2, -0.15, -0.5):
-        end = (48.0 + 14.0, -2.0 + 14.0 * slope)
-        middle = (55.0, -2.0 + 6.0 * slope)
-        carve([(49.0, -2.0 + 3.0 * slope), middle, end], 0.40 * lines["crows_feet"], 0.8)
-    carve(
-        [(17.0, -8.0), (24.0, -13.5), (33.0, -14.5), (42.0, -10.0)], 0.35 * lines["under_eye"], 1.1
-    )
-    carve([(17.0, -10.0), (23.0, -17.5), (32.0, -20.0)], 0.25 * lines["under_eye"], 1.5)
-    carve([(19.5, -42.0), (25.0, -51.0), (31.0, -63.0), (34.0, -76.0)], lines["nasolabial"], 1.9)
-    carve([(29.5, -79.0), (31.0, -87.0), (31.5, -97.0)], 0.7 * lines["marionette"], 1.5)
+    carve([(5.5, 10.0), (5.0, 18.0), (6.5, 29.0)], 0.55 * lines["glabella"], 0.9, 0.7)
+    carve([(9.5, 12.0), (9.0, 18.0), (10.5, 25.0)], 0.25 * lines["glabella"], 0.7, 0.7)
+    for slope in np.linspace(0.75, -0.7, 5) + rng.normal(0.0, 0.06, 5):
+        begin, length = rng.uniform(48.0, 50.5), rng.uniform(9.0, 17.0)
+        start = (begin, -2.0 + 4.0 * slope)
+        middle = (begin + length / 2, start[1] + 0.40 * length * slope + 0.6)
+        end = (begin + length, start[1] + length * slope)
+        carve([start, middle, end], 0.34 * lines["crows_feet"], rng.uniform(0.45, 0.65), 0.4)
+    under = 0.30 * lines["under_eye"]
+    carve([(17.0, -8.0), (24.0, -12.5), (33.0, -13.5), (43.0, -8.5)], under, 0.7, 0.6)
+    carve([(19.0, -9.0), (25.0, -10.0), (33.0, -10.5), (40.0, -8.0)], 0.6 * under, 0.45, 0.5)
+    carve([(17.0, -10.0), (23.0, -17.5), (31.0, -21.5), (39.0, -21.0)], 0.8 * under, 1.1, 0.7)
+    crease = [(19.0, -0.5), (24.0, 5.0), (32.0, 7.3), (40.0, 5.5), (47.0, 0.0)]
+    carve(crease, lines["lid_crease"], 0.7, 0.3)
+    fold = [(19.5, -42.0), (25.0, -51.0), (31.0, -63.0), (34.0, -76.0)]
+    carve(fold, 0.85 * lines["nasolabial"], 1.3, 0.8)
+    carve([(29.0, -78.0), (30.5, -86.0), (30.5, -96.0)], 0.6 * lines["marionette"], 1.0, 0.8)
+    for _ in range(5):
+        x, y, length = rng.uniform(38.0, 54.0), rng.uniform(-70.0, -35.0), rng.uniform(10.0, 22.0)
+        path = [(x, y), (x + 1.5, y - length / 2), (x + rng.normal(0, 3), y - length)]
+        carve(path, 0.22 * lines["cheeks"], 0.8, 0.6)
+
+
+def _draw_mouth(lines: Lines, rng: Generator, canvas: Canvas, sheet: FloatMap) -> None:
+    """Short lines that run into the upper lip, and the furrow between lip and chin."""
+    if lines["upper_lip"] > 0:
+        for x in np.arange(-21.0, 22.0, 4.2) + rng.normal(0.0, 0.9, 11):
+            top, bottom = rng.uniform(-58.0, -54.5), -63.0 - 0.012 * x * x
+            path = [(1.05 * x, top), (1.02 * x, (top + bottom) / 2), (x, bottom)]
+            depth = 0.26 * lines["upper_lip"] * rng.uniform(0.2, 1.1)
+            carve_groove(canvas, sheet, path, depth, rng.uniform(0.4, 0.6))
+    path = [(-15.0, -93.5), (-7.0, -91.0), (7.0, -91.0), (15.0, -93.5)]
+    jitter = rng.normal(0.0, 0.6, (4, 2))
+    carve_groove(canvas, sheet, np.array(path) + jitter, 0.7 * lines["chin"], 1.8)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from lrsr.identities.appearance import SkinPainter, sample_appearance
+from lrsr.identities.appearance import SkinMaps, SkinPainter, sample_appearance
 from lrsr.identities.basis import BaseHead, Basis, load_basis
 from lrsr.identities.eyes import Eyes, eye_chart, eyeball_vertices, find_eyes, unit_ball
 from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
@@ -155,16 +155,14 @@ def _scalp(texture_size: int) -> Scalp:
     return Scalp(position_map(texture_size).points)
 
 
-def _paint_skin(
-    parameters: Mapping[str, Any], texture_size: int
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Paint the skin and, where hair stands, its roots; return the albedo and the relief, mm."""
+def _paint_skin(parameters: Mapping[str, Any], texture_size: int) -> SkinMaps:
+    """Paint the skin and, where hair stands, its roots."""
     seed, hair = parameters["seed"], parameters["hair"]
     maps = _painter(texture_size).paint(parameters["appearance"], seed)
     albedo = maps.albedo
     roots = _scalp(texture_size).paint(hair, seed)[..., None]
     albedo += roots * (mean_colour(hair).astype(np.float32) - albedo)
-    return albedo, maps.displacement
+    return maps
 
 
 def _make_eyes(
@@ -215,10 +213,19 @@ def sample_head(seed: int, *, texture_size: int = 512, population: Population = 
     coarse, eyes = _in_head_frame(basis, rest_lids(basis, weights, template().lids))
     surface = basis.surface
     points = clear_lids(surface.matrix @ coarse.skin, eyes, template().lids)
-    albedo, relief = _paint_skin(parameters, texture_size)
-    skin = displace(points, surface.faces, relief).astype(np.float32)
+    maps = _paint_skin(parameters, texture_size)
+    skin = displace(points, surface.faces, maps.displacement).astype(np.float32)
     parts = (
-        Part("skin", "skin", skin, surface.faces, surface.uv, albedo),
+        Part(
+            "skin",
+            "skin",
+            skin,
+            surface.faces,
+            surface.uv,
+            maps.albedo,
+            maps.height,
+            maps.roughness,
+        ),
         *_make_eyes(eyes, lid_margins(points, eyes, template().lids), parameters),
         build_hair(parameters["hair"], skin, seed),
     )

@@ -1,9 +1,33 @@
-"""How is a mesh raised where a beard grows and lowered where a line runs? Along its normals."""
+"""How is a mesh raised where a beard grows and lowered where a line runs? Along its normals.
+
+What is too fine for the mesh stays in a map of heights, which turns the normals only.
+"""
 
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+MESH_DETAIL_MM = 1.6
+"""Standard deviation of the blur that leaves what the vertices, about 2 mm apart, can carry."""
+
+
+def split_heights(
+    heights: NDArray[np.float32], pixel_mm: float
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Share a relief between mesh and map.
+
+    Args:
+        heights: ``(H, W)``, mm.
+        pixel_mm: Size of a pixel, mm, > 0.
+
+    Returns:
+        coarse: ``(H, W)``, for the vertices, mm.
+        fine: ``(H, W)``, for the map; the two add up to ``heights``.
+    """
+    coarse = np.asarray(cv2.GaussianBlur(heights, (0, 0), MESH_DETAIL_MM / pixel_mm))
+    return coarse, heights - coarse
 
 
 def displace(

@@ -41,7 +41,14 @@ def _plain(**changes: dict[str, Any]) -> Any:
         "make_up": {"lipstick": 0.0, "eyeliner": 0.0, "eyeshadow": 0.0},
         "marks": {"moles": 0, "freckles": 0, "age_spots": 0},
         "beard": {"kind": "none", "shadow": 0.0},
-        "complexion": {"melanin": 0.022, "blood": 0.022},
+        "complexion": {
+            "melanin": 0.022,
+            "blood": 0.022,
+            "melanin_mottle": 0.2,
+            "blood_mottle": 0.2,
+            "tan": 0.0,
+            "forehead": 0.0,
+        },
     }
     for part, values in changes.items():
         plain[part] = plain.get(part, {}) | values
@@ -95,7 +102,7 @@ def test_a_painter_of_ones_own_paints_the_same() -> None:
 
 def test_forehead_has_the_tone_that_was_asked_for() -> None:
     fair = _colour(_plain(), (0.0, 45.0), 15.0)
-    dark = _colour(_plain(complexion={"melanin": 0.25, "blood": 0.022}), (0.0, 45.0), 15.0)
+    dark = _colour(_plain(complexion=_plain()["complexion"] | {"melanin": 0.25}), (0.0, 45.0), 15.0)
     assert fair == pytest.approx([0.48, 0.29, 0.22], rel=0.15)
     assert (dark < 0.6 * fair).all()
 
@@ -143,16 +150,35 @@ def test_stubble_and_its_shadow_are_bluer_than_skin() -> None:
     assert blue.sum() < plain.sum()
 
 
-def test_deep_lines_lower_the_skin_and_darken_it() -> None:
-    smooth = {
-        name: 0.0
-        for name in ("forehead", "glabella", "crows_feet", "under_eye", "nasolabial", "marionette")
-    }
-    young, old = _plain(lines=smooth), _plain(lines=smooth | {"nasolabial": 1.0})
+def _smooth() -> dict[str, float]:
+    lines = sample_appearance(
+        np.random.default_rng(0), masculinity=0.2, age=0.2, ancestry=EUROPEAN
+    )["lines"]
+    kept = ("paths_seed", "forehead_count")
+    return {name: value if name in kept else 0.0 for name, value in lines.items()}
+
+
+def test_deep_lines_lower_mesh_and_map_and_darken_the_skin() -> None:
+    young, old = _plain(lines=_smooth()), _plain(lines=_smooth() | {"nasolabial": 1.0})
     assert _paint(young).displacement.min() == 0
-    assert -1.3 < _paint(old).displacement.min() < -0.6
-    darker = _paint(old).albedo[_texels((28.0, -57.0), 3.0)].sum()
-    assert darker < 0.93 * _paint(young).albedo[_texels((28.0, -57.0), 3.0)].sum()
+    assert -1.3 < _paint(old).displacement.min() < -0.3
+    fold = _texels((28.0, -57.0), 4.0)
+    assert (_paint(old).height - _paint(young).height)[fold].min() < -0.1
+    darker, fairer = (_paint(person).albedo.sum(axis=-1)[fold] for person in (old, young))
+    assert 0.6 < (darker / fairer).min() < 0.95
+    assert (darker / fairer).mean() > 0.9
+
+
+def test_maps_of_relief_and_sheen_are_physical() -> None:
+    maps = [_paint(_person(seed, age=0.9), seed) for seed in range(3)]
+    cheek = _texels((40.0, -40.0), 10.0)
+    for painted in maps:
+        assert painted.height.shape == (SIZE, SIZE)
+        assert np.abs(painted.height).max() < 1.5
+        assert 0.002 < painted.height[cheek].std() < 0.12
+        assert painted.roughness.min() > 0.25
+        assert painted.roughness.max() < 0.8
+    assert np.abs(maps[0].height - maps[1].height)[cheek].mean() > 0.003
 
 
 def test_nothing_of_the_face_shows_on_the_back_of_the_head() -> None:

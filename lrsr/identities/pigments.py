@@ -1,0 +1,134 @@
+"""Where does skin hold how much melanin and blood? Regions, mottling, lips and marks as maps.
+
+What changes over several millimetres is painted on a coarse grid, what is finer is laid over it
+from tiles (``grain``), patches (lips) and sheets (marks, lines).
+"""
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from lrsr.identities import regions
+from lrsr.identities.canvas import FloatMap
+from lrsr.identities.complexion import Complexion
+from lrsr.identities.grain import GrainMaps
+from lrsr.identities.layout import Layout, Patches
+from lrsr.identities.make_up import Lips
+from lrsr.identities.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_capillaries, draw_marks
+from lrsr.identities.skin_tone import tone_map
+
+CAVITY_PER_MM = (0.35, 1.0)
+"""A groove of 1 mm looks as if the logarithms of melanin and blood were larger by this: light is
+reflected to and fro in it, and each time gets darker and redder. Set by eye."""
+
+_NOISE_SHAPE = (256, 320)
+_AXIS_Z_MM = -80.0
+_OCTAVES = ((7, 0.05, 0.10), (16, 0.06, 0.09), (40, 0.05, 0.09), (100, 0.035, 0.07))
+"""Cells around the head and amplitudes in the logarithms of melanin and blood."""
+
+
+class PigmentPainter:
+    """Turns the pigments of any number of people into colour within one texture layout.
+
+    Args:
+        layout: The texture.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        self._regions = regions.blood_regions(layout.coarse)
+        self._noise_pixels = _noise_pixels(layout.coarse)
+        self._lips = Patches(layout.lips)
+        waterline = np.zeros(layout.shape, dtype=np.float32)
+        waterline[layout.face] = regions.lid_margin(layout.face_pixels, 1.2) * layout.front
+        self._waterline = Patches(waterline)
+        contact = regions.lip_contact(layout.position) * layout.lips
+        dark = np.float32(0.45) * contact + np.float32(0.5) * regions.nostrils(layout.position)
+        self._contact = Patches(dark)
+
+    def paint(
+        self,
+        skin: Complexion,
+        lips: Lips,
+        marks: Marks,
+        grain: GrainMaps,
+        groove: FloatMap,
+        rng: Generator,
+    ) -> FloatMap:
+        """Paint one person's bare skin.
+
+        Args:
+            skin: Its pigments.
+            lips: The lips' pigments.
+            marks: Moles, freckles, spots and capillaries.
+            grain: Pores and unevenness of the whole texture.
+            groove: ``(h, w)``, heights of the lines in the layout's box of the face, mm.
+            rng: Source of randomness of the mottling.
+
+        Returns:
+            ``(H, W, 3)`` float32, linear sRGB reflectance.
+        """
+        noise = self._mottle(rng)
+        coarse = self._tint_regions(noise, skin)
+        melanin, blood = (self._layout.enlarge(part) for part in coarse)
+        cv2.scaleAdd(grain.bumps, 0.045 * skin["melanin_mottle"], melanin, melanin)
+        cv2.scaleAdd(grain.specks, 0.075 * skin["blood_mottle"], blood, blood)
+        cv2.scaleAdd(grain.pores, 0.9, melanin, melanin)
+        cv2.scaleAdd(grain.pores, 0.7, blood, blood)
+        self._lips.add(melanin, lips["melanin"])
+        self._lips.add(blood, lips["blood"] * (1 - skin["lip_fading"]))
+        self._waterline.add(blood, 0.6)
+        face = self._layout.face
+        melanin[face] += np.float32(-CAVITY_PER_MM[0]) * groove
+        blood[face] += np.float32(-CAVITY_PER_MM[1]) * groove
+        self._mark(melanin[face], draw_marks(marks, regions.FACE), LOG_MELANIN_PER_LEVEL)
+        if marks["capillaries"]:
+            self._mark(blood[face], draw_capillaries(marks, regions.FACE), 1.2 / 255)
+        colour = tone_map(melanin, blood)
+        self._contact.shade(colour)
+        return colour
+
+    def _tint_regions(self, noise: FloatMap, skin: Complexion) -> tuple[FloatMap, FloatMap]:
+        """Add the person's means and what each region has more of."""
+        melanin = np.float32(skin["melanin_mottle"]) * noise[..., 0]
+        blood = np.float32(skin["blood_mottle"]) * noise[..., 1]
+        circles = np.float32(skin["dark_circles"]) * self._regions["circles"]
+        melanin += circles
+        melanin += np.float32(skin["tan"]) * self._regions["forehead"]
+        melanin += np.float32(np.log(skin["melanin"]))
+        flush = np.zeros_like(blood)
+        for name in ("cheeks", "nose", "ears", "lids", "chin", "forehead"):
+            flush += np.float32(skin[name]) * self._regions[name]
+        flush *= 1 + np.float32(2.0) * noise[..., 1]  # blood's own mottling breaks a flush up
+        blood += flush
+        blood += np.float32(0.9) * circles
+        blood += np.float32(np.log(skin["blood"]))
+        return melanin, blood
+
+    def _mottle(self, rng: Generator) -> FloatMap:
+        """Octaves of noise for the logarithms of melanin and of blood: ``(h, w, 2)``."""
+        height, width = _NOISE_SHAPE
+        sheet = np.zeros((height, width, 2), dtype=np.float32)
+        for cells, melanin, blood in _OCTAVES:
+            rows = max(2, cells * height // width)
+            grid = rng.standard_normal((rows, cells, 2), dtype=np.float32)
+            grid *= np.array([melanin, blood], dtype=np.float32)
+            grid = np.concatenate([grid, grid[:, :1]], axis=1)
+            sheet += cv2.resize(grid, (width, height), interpolation=cv2.INTER_CUBIC)
+        noise = cv2.remap(
+            sheet, self._noise_pixels, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT
+        )
+        return np.asarray(noise)
+
+    def _mark(self, part: FloatMap, sheet: NDArray[np.uint8], per_level: float) -> None:
+        levels = regions.FACE.sample(sheet, self._layout.face_pixels)
+        part += np.float32(per_level) * levels * self._layout.bare
+
+
+def _noise_pixels(position: FloatMap) -> FloatMap:
+    """Cylinder around the head: azimuth to columns, height to rows; it wraps behind the head."""
+    azimuth = np.arctan2(position[..., 0], position[..., 2] - np.float32(_AXIS_Z_MM))
+    column = (azimuth / np.float32(2 * np.pi) + np.float32(0.5)) * (_NOISE_SHAPE[1] - 1)
+    row = (np.float32(130.0) - position[..., 1]) / np.float32(340.0) * _NOISE_SHAPE[0]
+    return np.stack([column, row], axis=-1).astype(np.float32)
