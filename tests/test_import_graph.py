@@ -29,6 +29,7 @@ HOMES = {
     "onnxruntime": {"recognition", "sr"},
     "lightning": {"data", "sr", "recognition"},
     "anny": {"identities"},
+    "dlib": {"recognition"},
 }
 
 

@@ -1,7 +1,7 @@
 """What does ``lrsr render`` do? Pictures of people as files in a folder, with their manifest."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -151,6 +151,18 @@ def render_to_folder(
     maker = maker or mitsuba_maker()
     cache = RenderCache(settings.cache or cache_folder())
     rows = {row.file: row for row in _earlier(settings.out)}
+    rows |= {row.file: row for row in write_pictures(settings, cache, progress, maker)}
+    return write_manifest(settings.out, rows.values())
+
+
+def write_pictures(
+    settings: RenderSettings, cache: RenderCache, progress: bool, maker: Maker
+) -> Iterator[ManifestRow]:
+    """Write the pictures and yield their rows; what is not rendered yet is rendered first.
+
+    Raises:
+        InputError: The cache or ``out`` cannot be written.
+    """
     batches = [(scale, settings.recipes(scale)) for scale in settings.scales]
     everything = [recipe for _, recipes in batches for recipe in recipes]
     render_missing(everything, cache, progress=progress, maker=maker)
@@ -164,9 +176,7 @@ def render_to_folder(
             probes = photograph(radiances, camera, [settings.kind] * len(chunk))
             for probe, radiance in zip(probes, radiances, strict=True):
                 linear = _exposed(radiance, camera) if settings.png16 else None
-                row = _write(settings.out, probe, linear)
-                rows[row.file] = row
-    return write_manifest(settings.out, rows.values())
+                yield _write(settings.out, probe, linear)
 
 
 def _earlier(folder: Path) -> list[ManifestRow]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from numpy.typing import ArrayLike
 
 from lrsr.errors import InputError
@@ -107,18 +107,11 @@ def render_html(report: Report) -> str:
         InputError: As :func:`write_report`, but for the writing.
     """
     _check(report)
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     lines = _lines(report)
-    return environment.get_template("report.html.j2").render(
+    return template("report.html.j2").render(
         report=report,
         answer=report.answer or list(_best(lines)),
-        settings=list(_flat(report.settings)),
+        settings=list(flat(report.settings)),
         lines=lines,
         several_options=len({line["condition"] for line in lines}) > 1,
         levels=sorted({_percent(row.get("level", 0.95)) for row in report.rows}),
@@ -131,6 +124,18 @@ def render_html(report: Report) -> str:
         panels=[_panel(panel, report) for panel in report.panels],
         n_tests=len(report.comparisons),
     )
+
+
+def template(name: str) -> Template:
+    """Return one of the pages' templates; whatever is put into it is escaped."""
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(name)
 
 
 def format_p(p: float, log10_p: float | None = None) -> str:
@@ -338,10 +343,11 @@ def _condition(row: Mapping[str, Any]) -> str:
     return ", ".join(words)
 
 
-def _flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the dotted name and the text of every value of nested settings."""
     for key, value in settings.items():
         if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{key}.")
+            yield from flat(value, f"{prefix}{key}.")
         elif isinstance(value, list | tuple):
             yield f"{prefix}{key}", ", ".join(map(str, value))
         else:

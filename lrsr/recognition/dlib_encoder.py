@@ -1,0 +1,135 @@
+"""How alike are two people to dlib's 128 numbers, the encoder that the paper checked with?
+
+dlib's ResNet wants a face cut out by the eyes' corners and the nose's base, which its own predictor
+finds within a box around the face. Where the box comes from matters: a detector's boxes jump by
+whole steps of its pyramid (13 % in size), and a face that it misses would have no angle. Here the
+box follows from the renderer's true landmarks: it is where the detector's boxes lie on average, so
+everybody is cut out alike and nobody is missed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike, NDArray
+
+from lrsr.errors import ImageContractError, InputError
+from lrsr.images import check_images
+
+POINTS = "shape_predictor_5_face_landmarks.dat"
+NETWORK = "dlib_face_recognition_resnet_model_v1.dat"
+
+DIMENSION = 128
+
+BOX_WIDTH = 2.42
+"""Side of the detector's boxes on 60 rendered faces, median, in distances between the pupils."""
+
+BOX_DROP = 0.40
+"""How far their middles lie below the middle of the pupils, in the same unit."""
+
+_REMEDY = "pip install 'lrsr[dlib]', or give encoder=shipped"
+
+
+def dlib_is_installed() -> bool:
+    """Tell whether dlib and its models are there, without loading them."""
+    return all(importlib.util.find_spec(name) for name in ("dlib", "face_recognition_models"))
+
+
+class DlibEncoder:
+    """dlib's face encoder, on faces whose landmarks are known.
+
+    Raises:
+        InputError: dlib or its models are not installed.
+    """
+
+    name = "dlib"
+
+    def __init__(self) -> None:
+        if not dlib_is_installed():
+            raise InputError(f"encoder=dlib: dlib or its models are not installed; {_REMEDY}")
+        import dlib  # an extra, 0.2 s
+
+        self._dlib: Any = dlib
+        self._folder = _model_folder()
+        self._points = dlib.shape_predictor(str(self._folder / POINTS))
+        self._network = dlib.face_recognition_model_v1(str(self._folder / NETWORK))
+
+    def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:
+        """Embed faces whose landmarks are known.
+
+        Args:
+            srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
+            landmarks_px: ``(B, 5, 2)``, (x, y) in px of ``srgb``, the eyes first; NaN = no face.
+
+        Returns:
+            ``(B, 128)`` float32, rows of length 1; a row of NaN where there was no face.
+
+        Raises:
+            ImageContractError: Images or landmarks have another shape, or their numbers differ.
+        """
+        points = np.asarray(landmarks_px, dtype=np.float64)
+        if points.shape != (len(srgb), 5, 2):
+            raise ImageContractError(
+                f"landmarks_px: got shape {points.shape}, wanted ({len(srgb)}, 5, 2)"
+            )
+        levels = check_images(srgb, name="faces").mul(255).round().to(torch.uint8)
+        images = levels.permute(0, 2, 3, 1).contiguous().numpy()
+        result = np.full((len(images), DIMENSION), np.nan, dtype=np.float32)
+        for row in np.flatnonzero(np.isfinite(points).all(axis=(1, 2))):
+            shape = self._points(images[row], self._dlib.rectangle(*face_box(points[row])))
+            numbers = np.array(self._network.compute_face_descriptor(images[row], shape))
+            result[row] = numbers / np.linalg.norm(numbers)
+        return result
+
+    def describe(self) -> dict[str, str | int]:
+        """Return what a report must say of the encoder; JSON-serialisable."""
+        return {
+            "encoder": self.name,
+            "model": NETWORK,
+            "sha256": hashlib.sha256((self._folder / NETWORK).read_bytes()).hexdigest(),
+            "dlib": str(self._dlib.__version__),
+            "dimension": DIMENSION,
+            "box": "from the renderer's true landmarks, where dlib's detector puts it on average",
+        }
+
+
+def face_box(landmarks_px: ArrayLike) -> tuple[int, int, int, int]:
+    """Return where dlib's detector would see a frontal face.
+
+    Args:
+        landmarks_px: ``(5, 2)``, the eyes first, (x, y) in px.
+
+    Returns:
+        Left, top, right and bottom, px.
+
+    Example:
+        >>> face_box([[100, 100], [200, 100], [150, 160], [120, 200], [180, 200]])
+        (29, 19, 271, 261)
+    """
+    points = np.asarray(landmarks_px, dtype=np.float64)
+    middle = points[:2].mean(axis=0)
+    ipd_px = float(np.linalg.norm(points[1] - points[0]))
+    x, y = middle[0], middle[1] + BOX_DROP * ipd_px
+    half = BOX_WIDTH / 2 * ipd_px
+    left, top, right, bottom = (round(v) for v in (x - half, y - half, x + half, y + half))
+    return left, top, right, bottom
+
+
+def _model_folder() -> Path:
+    """Find the models without importing their package, which wants a part that setuptools lost.
+
+    Raises:
+        InputError: A model file is missing.
+    """
+    spec = importlib.util.find_spec("face_recognition_models")
+    origin = spec.origin if spec is not None else None
+    folder = Path(origin or "").parent / "models"
+    for name in (POINTS, NETWORK):
+        if not (folder / name).is_file():
+            raise InputError(f"encoder=dlib: {folder / name} is missing; {_REMEDY}")
+    return folder
