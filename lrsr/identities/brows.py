@@ -1,4 +1,4 @@
-"""What eyebrows does a person wear? Strands along an arch, over a blur of themselves."""
+"""What eyebrows does a person wear? Hairs along an arch, each of which lets some skin through."""
 
 from typing import TypedDict
 
@@ -20,7 +20,10 @@ BASE_HEIGHT_MM = 16.0
 _STRANDS = 420
 _REFERENCE_THICKNESS_MM = 4.2
 _STRAND_POINTS = 4
-_BASE_BLUR_PX = 3.5
+_LAYERS = 8  # hairs of different layers cover each other in part
+_HAIR_LEVELS = (84, 108, 132, 156)  # opacity of a hair drawn one pixel (0.2 mm) wide, of 255
+_SHADE_BLUR_MM = 0.9
+_SHADE = 0.48
 
 
 class Brows(TypedDict):
@@ -38,6 +41,7 @@ class Brows(TypedDict):
     density: float
     strand_mm: float
     bridge: float
+    sparse_tail: float
     unevenness_mm: float
 
 
@@ -53,19 +57,20 @@ def sample_brows(rng: Generator, *, masculinity: float) -> Brows:
     """
     m = float(masculinity)
     return {
-        "start_mm": float(rng.uniform(7.0, 17.0 - 3.0 * m)),
-        "end_mm": float(rng.uniform(44.0, 56.0)),
-        "height_mm": float(np.clip(rng.normal(1.4 - 2.0 * m, 2.0), -4.5, 5.0)),
-        "arch_mm": float(0.5 + 7.0 * rng.beta(1.3, 1.2 + 1.4 * m)),
-        "peak": float(rng.uniform(0.45, 0.75)),
-        "slope_mm": float(rng.normal(0.3 - 0.3 * m, 1.5)),
-        "tail_mm": float(rng.uniform(0.0, 6.0)),
-        "thickness_mm": float(1.8 + 6.7 * rng.beta(1.2 + 1.3 * m, 2.2 - 0.7 * m)),
-        "taper": float(rng.uniform(0.35, 1.1)),
-        "density": float(np.clip(np.exp(rng.normal(0.05, 0.4)), 0.35, 2.2)),
-        "strand_mm": float(rng.uniform(4.5, 8.5)),
-        "bridge": float(rng.uniform(0.2, 1.0)) if rng.random() < 0.02 + 0.06 * m else 0.0,
-        "unevenness_mm": float(rng.normal(0.0, 0.8)),
+        "start_mm": float(rng.uniform(9.0, 14.5 - 1.5 * m)),
+        "end_mm": float(rng.uniform(45.0, 56.0)),
+        "height_mm": float(np.clip(rng.normal(2.0 - 2.6 * m, 1.6), -4.0, 5.0)),
+        "arch_mm": float(0.8 + 6.2 * rng.beta(2.2 - 0.8 * m, 1.8 + 1.8 * m)),
+        "peak": float(rng.uniform(0.56, 0.76)),
+        "slope_mm": float(np.clip(rng.normal(0.1 - 0.5 * m, 0.9), -2.0, 1.4)),
+        "tail_mm": float(rng.uniform(0.8, 5.5)),
+        "thickness_mm": float(2.2 + 1.2 * m + (4.0 + 1.3 * m) * rng.beta(1.4 + 0.7 * m, 1.9)),
+        "taper": float(rng.uniform(0.4, 1.1)),
+        "density": float(np.clip(np.exp(rng.normal(-0.10 + 0.15 * m, 0.38)), 0.35, 2.0)),
+        "strand_mm": float(rng.uniform(4.5, 8.0)),
+        "bridge": float(rng.uniform(0.15, 0.7)) if rng.random() < 0.005 + 0.03 * m else 0.0,
+        "unevenness_mm": float(rng.normal(0.0, 0.45)),
+        "sparse_tail": float(rng.beta(1.2, 2.0)),
     }
 
 
@@ -104,8 +109,8 @@ def brow_thickness(brows: Brows, along: FloatArray) -> FloatArray:
     Returns:
         ``(...)``, mm.
     """
-    tip = np.clip((1 - along) / 0.75, 0, 1) ** brows["taper"]
-    head = 0.72 + 0.28 * np.clip(along / 0.2, 0, 1)
+    tip = np.clip((1 - along) / 0.7, 0, 1) ** brows["taper"]
+    head = 0.80 + 0.20 * np.clip(along / 0.2, 0, 1)
     return np.asarray(brows["thickness_mm"] * np.maximum(tip * head, 0.10))
 
 
@@ -125,17 +130,25 @@ def brow_strands(brows: Brows, rng: Generator) -> FloatArray:
     count = max(
         20, round(_STRANDS * brows["density"] * brows["thickness_mm"] / _REFERENCE_THICKNESS_MM)
     )
-    along = rng.beta(1.12, 1.22, count)
-    across = np.clip(rng.normal(0.0, 0.30, count), -0.62, 0.62)
+    along = rng.beta(1.15, 1.2, count)
+    # The first hairs stand singly before the others, and tails thin out.
+    along -= np.clip(rng.exponential(0.03, count), 0, 0.09) * np.clip(1 - along / 0.2, 0, 1)
+    gone = brows["sparse_tail"] * np.clip((along - 0.5) / 0.5, 0, 1)
+    along = np.where(rng.random(count) < gone, 0.85 * rng.random(count), along)
+    # Hairs gather in tufts.
+    across = np.clip(rng.normal(0.0, 0.31, count), -0.75, 0.75)
+    along += 0.006 * np.sin(along * (55.0 + 7.0 * np.sin(9.0 * across)) + 4.0 * across)
     thickness = brow_thickness(brows, along)
     root = brow_line(brows, along)
     root[:, 1] += across * thickness
     ahead = brow_line(brows, along + 0.01) - brow_line(brows, along)
     direction = np.arctan2(ahead[:, 1], ahead[:, 0])
-    upright = np.clip(1 - along / 0.22, 0, 1)
-    lean = -0.75 * across / 0.6 + rng.normal(0.0, 0.16, count)
-    start = direction + upright * 1.05 + (1 - upright) * (0.30 + lean)
-    end = direction + upright * 0.55 + (1 - upright) * (0.5 * lean - 0.05)
+    upright = np.clip(1 - along / 0.30, 0, 1) ** 0.8
+    lean = -0.70 * across / 0.6 + rng.normal(0.0, 0.18, count)
+    start = (
+        direction + upright * (1.25 + rng.normal(0.0, 0.15, count)) + (1 - upright) * (0.30 + lean)
+    )
+    end = direction + upright * 0.75 + (1 - upright) * (0.5 * lean - 0.05)
     limit = np.clip(0.45 * thickness / brows["thickness_mm"] + 0.55, 0.5, 1.0)
     length = brows["strand_mm"] * rng.uniform(0.55, 1.1, count) * limit
     length = np.minimum(length, 2.2 + 1.3 * thickness)
@@ -158,6 +171,19 @@ def draw_brows(brows: Brows, rng: Generator) -> NDArray[np.uint8]:
     Returns:
         The opacity of hair over skin on ``CANVAS``, ``(H, W)`` uint8, 0..255.
     """
+    return cover_brows(lay_brows(brows, rng))
+
+
+def lay_brows(brows: Brows, rng: Generator) -> FloatArray:
+    """Lay the hairs of both brows, in random order.
+
+    Args:
+        brows: As :func:`sample_brows` draws them.
+        rng: Source of randomness.
+
+    Returns:
+        ``(N, 4, 2)``, mm.
+    """
     right = brows.copy()
     right["height_mm"] += brows["unevenness_mm"]
     right["arch_mm"] = max(0.0, brows["arch_mm"] + 0.6 * brows["unevenness_mm"])
@@ -166,16 +192,34 @@ def draw_brows(brows: Brows, rng: Generator) -> NDArray[np.uint8]:
         strands.append(_bridge_strands(brows, rng))
     hairs = np.concatenate(strands)
     rng.shuffle(hairs)
-    sheet = CANVAS.blank()
-    CANVAS.draw_strands(sheet, hairs, (150, 195, 225, 250))
-    blurred = cv2.GaussianBlur(sheet, (0, 0), _BASE_BLUR_PX)
-    shade = min(0.95, 0.62 + 0.22 * brows["density"])
-    merged = cv2.max(sheet, cv2.convertScaleAbs(blurred, alpha=1.25 * shade))
-    return np.asarray(merged, dtype=np.uint8)
+    return hairs
+
+
+def cover_brows(hairs: FloatArray) -> NDArray[np.uint8]:
+    """Draw hairs over each other, with the shade that they throw between them.
+
+    Args:
+        hairs: ``(N, 4, 2)``, mm.
+
+    Returns:
+        Opacity on ``CANVAS``, ``(H, W)`` uint8, 0..255.
+    """
+    clear = np.full(CANVAS.shape, 255, dtype=np.uint8)
+    for layer in range(_LAYERS):
+        sheet = CANVAS.blank()
+        part = hairs[layer::_LAYERS]
+        CANVAS.draw_strands(sheet, part, [0.6 * level for level in _HAIR_LEVELS])
+        CANVAS.draw_strands(sheet, part[:, :3], _HAIR_LEVELS)  # towards their tips they are finer
+        clear = cv2.multiply(clear, cv2.bitwise_not(sheet), scale=1 / 255)
+    opacity = cv2.bitwise_not(clear)
+    sigma = _SHADE_BLUR_MM / CANVAS.pixel_mm
+    shade = cv2.convertScaleAbs(cv2.GaussianBlur(opacity, (0, 0), sigma), alpha=_SHADE)
+    clear = cv2.multiply(clear, cv2.bitwise_not(shade), scale=1 / 255)
+    return np.asarray(cv2.bitwise_not(clear), dtype=np.uint8)
 
 
 def _bridge_strands(brows: Brows, rng: Generator) -> FloatArray:
-    count = max(1, round(90 * brows["bridge"]))
+    count = max(1, round(60 * brows["bridge"]))
     x = rng.uniform(-brows["start_mm"], brows["start_mm"], count)
     y = BASE_HEIGHT_MM + brows["height_mm"] - 1.5 + rng.normal(0.0, 1.6, count)
     angle = 0.5 * np.pi - 0.9 * x / brows["start_mm"] + rng.normal(0.0, 0.2, count)

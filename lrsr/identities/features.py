@@ -20,7 +20,10 @@ from lrsr.identities.canvas import FloatMap
 from lrsr.identities.hair_colour import HairColour, hair_rgb
 from lrsr.identities.make_up import MakeUp
 
-_WARM = np.array([1.0, 0.9, 0.8], dtype=np.float32)  # skin shines through white brows
+_WARM = np.array([1.3, 1.0, 0.75], dtype=np.float32)  # skin shines through the hairs
+_DARKEST_BROW = np.array([0.026, 0.014, 0.008], dtype=np.float32)
+_WHITE_BROW = (0.36, 0.33, 0.30)
+_BROW_GREY = 0.45  # brows turn grey later than the hair of the head
 
 
 class FeaturePainter:
@@ -75,12 +78,21 @@ class FeaturePainter:
             hair: The pigments of the hair.
             rng: Source of randomness of the single hairs.
         """
+        hairs = eyebrows.lay_brows(brows, rng)
+        white = round(min(1.0, _BROW_GREY * hair["grey"]) * len(hairs))
+        colour = hair_rgb(hair, darker=2.2, grey=0.0) * _WARM
+        colour *= min(1.0, 0.13 / float(colour.max()))
+        colour = np.maximum(colour, _DARKEST_BROW)
+        self._cover_brow(albedo, hairs[white:], colour)
+        if white:
+            self._cover_brow(albedo, hairs[:white], _WHITE_BROW)
+
+    def _cover_brow(self, albedo: FloatMap, hairs: NDArray[Any], colour: ArrayLike) -> None:
         canvas = eyebrows.CANVAS
-        sheet = self._soften(eyebrows.draw_brows(brows, rng), canvas.pixel_mm)
+        sheet = self._soften(eyebrows.cover_brows(hairs), canvas.pixel_mm)
         opacity = canvas.sample(sheet, self._brow_pixels).astype(np.float32)
         opacity *= self._front / np.float32(255)
-        colour = hair_rgb(hair, darker=2.4, grey=0.3) * _WARM
-        _cover(albedo, colour * min(1.0, 0.14 / float(colour.max())), opacity)
+        _cover(albedo, colour, opacity)
 
     def paint_beard(
         self, albedo: FloatMap, beard: Beard, hair: HairColour, rng: Generator

@@ -134,9 +134,9 @@ def _paint_sclera(
     iris: Iris, angle: NDArray[np.float32], azimuth: NDArray[np.float32], rng: Generator
 ) -> NDArray[np.float32]:
     size = angle.shape[0]
-    white = np.array([0.55, 0.505, 0.475], dtype=np.float32)
-    pink = np.array([0.46, 0.25, 0.215], dtype=np.float32)
-    yellow = np.array([0.53, 0.44, 0.32], dtype=np.float32)
+    white = np.array([0.49, 0.448, 0.42], dtype=np.float32)
+    pink = np.array([0.42, 0.225, 0.19], dtype=np.float32)
+    yellow = np.array([0.47, 0.39, 0.28], dtype=np.float32)
     # Blood and fat lie towards the corners of the lids, left and right of the iris.
     corner = smoothstep(0.42, 1.05, angle) * (0.35 + 0.65 * np.cos(azimuth) ** 2)
     rim = smoothstep(0.95, 1.45, angle)
@@ -211,7 +211,7 @@ def _close_lids(
     colour = colour + (_CARUNCLE - colour) * flesh[..., None].astype(np.float32)
     wet = 0.75 * smoothstep(0.045, 0.012, above)
     colour = colour + (_WET_MARGIN - colour) * wet[..., None].astype(np.float32)
-    shade = 0.58 * np.exp(-below / 0.07) + 0.30 * np.exp(-below / 0.22)
-    shade += 0.22 * np.exp(-above / 0.05) + 0.26 * np.exp(-corner / 0.10)
+    shade = 0.56 * np.exp(-below / 0.08) + 0.34 * np.exp(-below / 0.24)
+    shade += 0.22 * np.exp(-above / 0.05) + 0.30 * np.exp(-corner / 0.12)
     light = 1 - np.clip(strength * shade, 0.0, 0.88)
     return np.asarray(colour * light[..., None], dtype=np.float32)
