@@ -56,7 +56,7 @@ class Head:
     faces, uv and texture sizes: only vertices and textures differ, so a scene is updated in place.
 
     Attributes:
-        identity_id: Stable name; the same id is the same bytes.
+        identity_id: Stable name; the same id is the same person, whose expression may differ.
         parts: Skin first.
         pupils: ``(2, 3)`` float64, mm, the image's left pupil first (negative x).
         landmarks: ``(5, 3)`` float64, mm, in the order of :data:`LANDMARK_NAMES`.

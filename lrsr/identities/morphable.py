@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from lrsr.identities.appearance import SkinMaps, SkinPainter, sample_appearance
 from lrsr.identities.basis import BaseHead, Basis, load_basis
+from lrsr.identities.expression import Expression, find_expression
 from lrsr.identities.eyes import Eyes, eye_chart, eyeball_vertices, find_eyes, unit_ball
 from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
 from lrsr.identities.lashes import lash_faces, place_lashes
 from lrsr.identities.lids import clear_lids, lid_margins, rest_lids
+from lrsr.identities.mouth import JAW_UNITS, build_mouth, cavity, lining
 from lrsr.identities.population import EVERYBODY, OLDEST_YEARS, YOUNGEST_YEARS, Population
 from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.proportions import load_gauge
@@ -32,7 +34,7 @@ from lrsr.identities.template import template
 RECIPE_VERSION = "5"
 """Changes whenever the same seed would give other pixels."""
 
-STREAMS = ("person", "anatomy", "appearance", "hair", "eyes")
+STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")
 """One independent source of chance for each; append, never reorder."""
 
 EYE_TEXTURE = 256
@@ -116,13 +118,21 @@ def _head_frame(eyes: Eyes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return np.stack([x, np.cross(z, x), z]), (left + right) / 2
 
 
-def _in_head_frame(basis: Basis, weights: NDArray[np.float64]) -> tuple[BaseHead, Eyes]:
-    """Shape a coarse head and move it into its head frame."""
+def _in_head_frame(
+    basis: Basis, weights: NDArray[np.float64], acting: NDArray[np.float64]
+) -> tuple[BaseHead, BaseHead, Eyes]:
+    """Shape a coarse head at rest and with an expression, both in the frame of the one at rest.
+
+    The eyes are those at rest: a blink moves lids, not the gaze.
+    """
     shaped = basis.shape(weights)
     eyes = find_eyes(basis, shaped)
     rotation, origin = _head_frame(eyes)
-    moved = BaseHead(*((part - origin) @ rotation.T for part in shaped))
-    return moved, eyes.moved(rotation, origin)
+    rest = BaseHead(*((part - origin) @ rotation.T for part in shaped))
+    worn = rest
+    if acting is not weights:
+        worn = BaseHead(*((part - origin) @ rotation.T for part in basis.shape(acting)))
+    return rest, worn, eyes.moved(rotation, origin)
 
 
 @lru_cache(maxsize=4)
@@ -162,6 +172,7 @@ def _paint_skin(parameters: Mapping[str, Any], texture_size: int) -> SkinMaps:
     albedo = maps.albedo
     roots = _scalp(texture_size).paint(hair, seed)[..., None]
     albedo += roots * (mean_colour(hair).astype(np.float32) - albedo)
+    lining(texture_size).paint(albedo)
     return maps
 
 
@@ -186,20 +197,36 @@ def _make_eyes(
     yield Part("lashes", "lash", hairs, lash_faces(), uv, albedo)
 
 
-def sample_head(seed: int, *, texture_size: int = 512, population: Population = EVERYBODY) -> Head:
+def _make_mouth(rest: BaseHead, acting: NDArray[np.float64], parameters: Mapping[str, Any]) -> Part:
+    """Make teeth and tongue; the jaw carries the lower ones."""
+    column, shade = load_basis().column, stream(parameters["seed"], "mouth").standard_normal()
+    units = {unit: float(acting[column[f"unit/{unit}"]]) for unit in JAW_UNITS}
+    return build_mouth(rest, units, age=parameters["age"], shade=float(shade))
+
+
+def sample_head(
+    seed: int,
+    *,
+    texture_size: int = 512,
+    population: Population = EVERYBODY,
+    expression: str | Expression = "neutral",
+) -> Head:
     """Make the person of a seed.
 
     Args:
         seed: >= 0; see :func:`lrsr.identities.splits.identity_seed`.
         texture_size: Rows and columns of the skin's texture, >= 64.
         population: From whom the person is drawn.
+        expression: What the face does, beyond the person's resting face: a name or face units.
+            The person is the same: no texture changes, nor do eyeballs and pupils.
 
     Returns:
-        The head: parts "skin", "left_eye", "right_eye" (as seen in the image), "lashes", "hair".
-        The same arguments give the same bytes; faces, uv and texture sizes are the same for all
-        seeds.
+        The head: parts "skin", "left_eye", "right_eye" (as seen in the image), "lashes", "hair",
+        "mouth". The same arguments give the same bytes; faces, uv and texture sizes are the same
+        for all seeds.
 
     Raises:
+        InputError: There is no such expression.
         ValueError: The seed is negative or the texture smaller than 64.
     """
     basis, parameters = load_basis(), sample_parameters(seed, population=population)
@@ -210,11 +237,15 @@ def sample_head(seed: int, *, texture_size: int = 512, population: Population = 
         age=parameters["age"],
         ancestry=parameters["ancestry"],
     )
-    coarse, eyes = _in_head_frame(basis, rest_lids(basis, weights, template().lids))
+    weights = rest_lids(basis, weights, template().lids)
+    acting = find_expression(expression).act(basis, weights)
+    rest, coarse, eyes = _in_head_frame(basis, weights, acting)
     surface = basis.surface
     points = clear_lids(surface.matrix @ coarse.skin, eyes, template().lids)
+    points = cavity().hollow(points)
     maps = _paint_skin(parameters, texture_size)
-    skin = displace(points, surface.faces, maps.displacement).astype(np.float32)
+    relief = maps.displacement * cavity().outside
+    skin = displace(points, surface.faces, relief).astype(np.float32)
     parts = (
         Part(
             "skin",
@@ -228,6 +259,7 @@ def sample_head(seed: int, *, texture_size: int = 512, population: Population = 
         ),
         *_make_eyes(eyes, lid_margins(points, eyes, template().lids), parameters),
         build_hair(parameters["hair"], skin, seed),
+        _make_mouth(rest, acting, parameters),
     )
     return Head(
         identity_id=f"seed-{seed:08d}",

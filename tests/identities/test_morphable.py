@@ -78,9 +78,9 @@ def test_all_heads_have_the_same_parts_faces_uv_and_texture_sizes(heads: dict[in
             assert mine.albedo.shape == theirs.albedo.shape
 
 
-def test_the_parts_are_skin_eyes_lashes_and_hair(heads: dict[int, Head]) -> None:
+def test_the_parts_are_skin_eyes_lashes_hair_and_mouth(heads: dict[int, Head]) -> None:
     names = [part.name for part in heads[0].parts]
-    assert names == ["skin", "left_eye", "right_eye", "lashes", "hair"]
+    assert names == ["skin", "left_eye", "right_eye", "lashes", "hair", "mouth"]
     assert heads[0].part("left_eye").vertices[:, 0].max() < 0
 
 
