@@ -94,7 +94,7 @@ def sample_appearance(
     complexion = sample_complexion(child["complexion"], age=age, ancestry=shares)
     return {
         "complexion": complexion,
-        "lips": sample_lips(child["lips"]),
+        "lips": sample_lips(child["lips"], masculinity=masculinity, melanin=complexion["melanin"]),
         "make_up": sample_make_up(child["make_up"], masculinity=masculinity),
         "marks": sample_marks(child["marks"], melanin=complexion["melanin"], age=age),
         "lines": sample_lines(child["lines"], age=age),
@@ -168,6 +168,7 @@ class SkinPainter:
         )
         grain.height[layout.face] += groove
         self._features.paint_make_up(albedo, appearance["make_up"])
+        self._features.paint_lash_lines(albedo, appearance["lashes"])
         beard = self._features.paint_beard(albedo, appearance["beard"], hair, of_beard)
         self._features.paint_brows(albedo, appearance["brows"], hair, of_brows)
         np.clip(albedo, 0.0, 1.0, out=albedo)

@@ -18,11 +18,15 @@ from lrsr.identities.beard import Beard
 from lrsr.identities.brows import Brows
 from lrsr.identities.canvas import FloatMap
 from lrsr.identities.hair_colour import HairColour, hair_rgb
+from lrsr.identities.lashes import Lashes
 from lrsr.identities.make_up import MakeUp
 
 _WARM = np.array([1.3, 1.0, 0.75], dtype=np.float32)  # skin shines through the hairs
 _DARKEST_BROW = np.array([0.026, 0.014, 0.008], dtype=np.float32)
 _WHITE_BROW = (0.36, 0.33, 0.30)
+_BLUSH = np.array([0.46, 0.16, 0.15])
+_CHEEKBONE_MM = (44.0, -30.0, -14.0)
+_LASH_ROOTS = (0.030, 0.018, 0.012)
 _BROW_GREY = 0.45  # brows turn grey later than the hair of the head
 
 
@@ -41,8 +45,12 @@ class FeaturePainter:
         self._front = regions.front(position)
         self._lips = regions.lip_mask(position, face_pixels)
         self._contact = regions.lip_contact(position) * self._lips
+        self._cheeks = regions.blob(position, _CHEEKBONE_MM, (13.0, 8.0, 30.0)) * self._front
         self._lids = regions.blood_regions(position)["lids"]
         self._liner = regions.lid_margin(face_pixels, 2.4, upper=True) * self._front
+        self._lash_line = regions.lid_margin(face_pixels, 1.6, upper=True) * self._front
+        cheek = self._cheeks > np.float32(0.8)
+        self._skin_sample = tuple(index[::16] for index in np.nonzero(cheek))
         self._brow_pixels = eyebrows.CANVAS.to_pixels(position)
         self._jaw_pixels = beards.JAW.to_pixels(beards.to_jaw(position))
         self._zones = beards.beard_zones(position, self._lips)
@@ -59,15 +67,29 @@ class FeaturePainter:
             albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
             make_up: What a person wears.
         """
+        # Darker skin wears darker make-up: pale colours would look like chalk.
+        depth = min(1.0, 0.35 + 2.6 * float(albedo[self._skin_sample].mean()))
         if make_up["lipstick"] > 0:
             opacity = np.float32(make_up["lipstick"]) * self._lips
             opacity *= 1 - np.float32(0.4) * self._contact
-            _cover(albedo, make_up["lipstick_colour"], opacity)
+            _cover(albedo, depth * np.asarray(make_up["lipstick_colour"]), opacity)
+        if make_up["blush"] > 0:
+            _cover(albedo, depth * _BLUSH, np.float32(make_up["blush"]) * self._cheeks)
         if make_up["eyeshadow"] > 0:
             opacity = np.float32(make_up["eyeshadow"]) * self._lids
-            _cover(albedo, make_up["eyeshadow_colour"], opacity)
+            _cover(albedo, depth * np.asarray(make_up["eyeshadow_colour"]), opacity)
         if make_up["eyeliner"] > 0:
             _cover(albedo, (0.012, 0.010, 0.010), np.float32(make_up["eyeliner"]) * self._liner)
+
+    def paint_lash_lines(self, albedo: FloatMap, lashes: Lashes) -> None:
+        """Darken the upper lids where the roots of the lashes stand.
+
+        Args:
+            albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
+            lashes: A person's lashes.
+        """
+        opacity = np.float32(min(0.75, 3.2 * lashes["width_mm"])) * self._lash_line
+        _cover(albedo, _LASH_ROOTS, opacity)
 
     def paint_brows(self, albedo: FloatMap, brows: Brows, hair: HairColour, rng: Generator) -> None:
         """Paint the brows.

@@ -5,7 +5,19 @@ from typing import TypedDict
 import numpy as np
 from numpy.random import Generator
 
-_BERRY, _RED, _ROSE = np.array([[0.20, 0.03, 0.06], [0.36, 0.035, 0.045], [0.48, 0.16, 0.16]])
+LIPSTICKS = {
+    "nude": (0.40, 0.19, 0.15),
+    "rose": (0.42, 0.15, 0.15),
+    "mauve": (0.34, 0.13, 0.15),
+    "coral": (0.45, 0.16, 0.11),
+    "brick": (0.30, 0.09, 0.07),
+    "red": (0.36, 0.045, 0.05),
+    "berry": (0.20, 0.04, 0.06),
+    "plum": (0.16, 0.05, 0.07),
+}
+"""Colours on fair skin, linear sRGB; most people choose one near that of their lips."""
+
+_LIPSTICK_SHARES = (0.22, 0.24, 0.16, 0.11, 0.13, 0.06, 0.05, 0.03)
 _EYESHADOWS = ((0.10, 0.05, 0.035), (0.06, 0.06, 0.08), (0.22, 0.09, 0.10))
 
 
@@ -24,18 +36,29 @@ class MakeUp(TypedDict):
     eyeliner: float
     eyeshadow: float
     eyeshadow_colour: list[float]
+    blush: float
 
 
-def sample_lips(rng: Generator) -> Lips:
-    """Draw a person's natural lips: a little or much redder than the skin.
+def sample_lips(rng: Generator, *, masculinity: float, melanin: float) -> Lips:
+    """Draw a person's natural lips: redder than the skin, browner where that is dark.
+
+    The contrast of lips and skin is larger in women (Russell, "A sex difference in facial contrast
+    and its exaggeration by cosmetics", Perception 38, 2009).
 
     Args:
         rng: Source of randomness.
+        masculinity: 0 (female) to 1 (male).
+        melanin: Of the skin, a volume fraction.
 
     Returns:
         Plain numbers.
     """
-    return {"blood": float(rng.uniform(0.6, 1.7)), "melanin": float(rng.uniform(0.0, 0.35))}
+    dark = float(np.clip(np.log(melanin / 0.03) / 2.0, 0.0, 1.0))
+    least, most = 0.85 - 0.50 * masculinity, 1.75 - 0.65 * masculinity
+    return {
+        "blood": float(rng.uniform(least, most)) * (1 - 0.25 * dark),
+        "melanin": float(rng.uniform(0.0, 0.30)) + dark * float(rng.uniform(-0.25, 0.35)),
+    }
 
 
 def sample_make_up(rng: Generator, *, masculinity: float) -> MakeUp:
@@ -49,12 +72,13 @@ def sample_make_up(rng: Generator, *, masculinity: float) -> MakeUp:
         Plain numbers.
     """
     wears = (1 - masculinity) ** 2 if masculinity < 0.5 else 0.0
-    low, high = (_RED, _ROSE) if rng.random() < 0.7 else (_BERRY, _RED)
-    lipstick = low + (high - low) * rng.random()
+    shade = list(LIPSTICKS.values())[rng.choice(len(LIPSTICKS), p=_LIPSTICK_SHARES)]
+    tint = np.exp(rng.normal(0.0, 0.12, 3))
     return {
-        "lipstick": float(rng.uniform(0.45, 0.9)) if rng.random() < 0.42 * wears else 0.0,
-        "lipstick_colour": [float(channel) for channel in lipstick],
-        "eyeliner": float(rng.uniform(0.3, 0.95)) if rng.random() < 0.45 * wears else 0.0,
-        "eyeshadow": float(rng.uniform(0.2, 0.6)) if rng.random() < 0.25 * wears else 0.0,
+        "lipstick": float(rng.uniform(0.20, 0.65)) if rng.random() < 0.50 * wears else 0.0,
+        "lipstick_colour": [float(channel) for channel in np.asarray(shade) * tint],
+        "eyeliner": float(rng.uniform(0.20, 0.75)) if rng.random() < 0.50 * wears else 0.0,
+        "eyeshadow": float(rng.uniform(0.12, 0.40)) if rng.random() < 0.30 * wears else 0.0,
         "eyeshadow_colour": list(_EYESHADOWS[rng.integers(len(_EYESHADOWS))]),
+        "blush": float(rng.uniform(0.08, 0.24)) if rng.random() < 0.40 * wears else 0.0,
     }

@@ -82,7 +82,7 @@ def front(position: NDArray[Any]) -> FloatMap:
 
 
 def lip_mask(position: NDArray[Any], pixels: FloatMap) -> FloatMap:
-    """Vermilion of both lips, its border softened over about 1 mm, and the mouth's inside.
+    """Vermilion of both lips, its border softened over about 2 mm, and the mouth's inside.
 
     Args:
         position: ``(..., 3)``, template points, mm.
@@ -93,7 +93,7 @@ def lip_mask(position: NDArray[Any], pixels: FloatMap) -> FloatMap:
     """
     sheet = FACE.blank()
     FACE.fill_polygon(sheet, lip_outline())
-    sheet = cv2.GaussianBlur(sheet, (0, 0), 0.55 / FACE.pixel_mm)
+    sheet = cv2.GaussianBlur(sheet, (0, 0), 0.95 / FACE.pixel_mm)
     lips = FACE.sample(sheet, pixels).astype(np.float32) / 255
     return np.asarray(lips * smoothstep(-45.0, -30.0, position[..., 2]), dtype=np.float32)
 
