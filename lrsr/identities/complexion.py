@@ -53,7 +53,7 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
         "melanin_mottle": float(rng.uniform(0.5, 1.5) * (1 + 0.5 * age)),
         "blood_mottle": float(rng.uniform(0.5, 1.7)),
         "cheeks": float(0.42 * flush * rng.uniform(0.3, 1.5)),
-        "nose": float(0.38 * flush * rng.uniform(0.3, 1.4)),
+        "nose": float(0.27 * flush * rng.uniform(0.3, 1.4)),
         "ears": float(rng.uniform(0.15, 0.6)),
         "lids": float(rng.uniform(0.1, 0.5)),
         "chin": float(rng.uniform(0.0, 0.35)),

@@ -5,6 +5,7 @@ wrinkles"): forehead, frown, crow's feet, under the eye, nose to mouth, upper li
 Depths of 0.1 mm are fine lines, of 0.8 mm deep wrinkles.
 """
 
+from functools import lru_cache
 from itertools import pairwise
 from typing import TypedDict
 
@@ -18,6 +19,8 @@ from lrsr.identities.canvas import Canvas, FloatMap
 _SUBPIXEL_BITS = 4
 _VALLEY_MM = 1.5
 _TAPER_STEPS = 7
+WIDTHS_MM = (0.5, 0.8, 1.2, 1.8, 2.6)
+"""Standard deviations of the profiles that grooves can have."""
 
 
 class Lines(TypedDict):
@@ -70,6 +73,54 @@ def sample_lines(rng: Generator, *, age: float) -> Lines:
     }
 
 
+class Engraving:
+    """A sheet into which grooves are carved; their profile is a Gaussian and their ends run out.
+
+    Grooves of one width are blurred together; where two of them cross, the later one counts.
+
+    Args:
+        canvas: The sheet's place.
+    """
+
+    def __init__(self, canvas: Canvas) -> None:
+        self._canvas = canvas
+        self._plates: dict[float, FloatMap] = {}
+
+    def carve(self, path_mm: ArrayLike, depth_mm: float, width_mm: float) -> None:
+        """Carve one groove, or with a negative depth a ridge.
+
+        Args:
+            path_mm: ``(K, 2)`` corner points, smoothed by a spline-like subdivision; K > 2.
+            depth_mm: Greatest depth, mm; nothing happens between -0.01 and 0.01.
+            width_mm: Standard deviation of the profile, mm; the nearest of ``WIDTHS_MM`` is taken.
+        """
+        if abs(depth_mm) < 0.01:
+            return
+        width = min(WIDTHS_MM, key=lambda known: abs(np.log(known / width_mm)))
+        if width not in self._plates:
+            self._plates[width] = np.zeros(self._canvas.shape, dtype=np.float32)
+        path = _smoothing(len(np.asarray(path_mm))) @ np.asarray(path_mm, dtype=np.float64)
+        pixels = self._canvas.to_pixels(path)
+        corners = np.round(pixels * (1 << _SUBPIXEL_BITS)).astype(np.int32)
+        # A line one pixel wide loses sigma sqrt(2 pi) of its height to the blur.
+        level = depth_mm * width / self._canvas.pixel_mm * np.sqrt(2 * np.pi)
+        cuts = np.unique(np.linspace(0, len(path) - 1, _TAPER_STEPS + 1).astype(int))
+        for begin, end in pairwise(cuts):
+            taper = np.sin(np.pi * (begin + end) / 2 / (len(path) - 1)) ** 0.7
+            run = [corners[begin : end + 1]]
+            line = float(-level * taper)
+            cv2.polylines(
+                self._plates[width], run, False, line, 1, cv2.LINE_8, shift=_SUBPIXEL_BITS
+            )
+
+    def heights(self) -> FloatMap:
+        """Return what has been carved: ``(H, W)`` float32, mm, grooves below 0."""
+        sheet = np.zeros(self._canvas.shape, dtype=np.float32)
+        for width, plate in sorted(self._plates.items()):
+            sheet += cv2.GaussianBlur(plate, (0, 0), width / self._canvas.pixel_mm)
+        return sheet
+
+
 def draw_lines(lines: Lines, canvas: Canvas) -> FloatMap:
     """Draw all grooves and bags on a frontal sheet.
 
@@ -81,69 +132,37 @@ def draw_lines(lines: Lines, canvas: Canvas) -> FloatMap:
         ``(H, W)`` float32, height in mm; grooves below, bags above 0.
     """
     rng = np.random.default_rng(lines["paths_seed"])
-    sheet = np.zeros(canvas.shape, dtype=np.float32)
-    _draw_forehead(lines, rng, canvas, sheet)
+    cuts = Engraving(canvas)
+    _draw_forehead(lines, rng, cuts)
     for side in (-1.0, 1.0):
-        _draw_side(lines, rng, canvas, sheet, side)
-    _draw_mouth(lines, rng, canvas, sheet)
+        _draw_side(lines, rng, cuts, side)
+    _draw_mouth(lines, rng, cuts)
+    sheet = cuts.heights()
     # A fold is a sharp cut in a shallow valley.
     valley = cv2.GaussianBlur(sheet, (0, 0), _VALLEY_MM / canvas.pixel_mm)
     cv2.addWeighted(sheet, 0.75, valley, 0.6, 0.0, sheet)
-    for side in (-1.0, 1.0):
-        bag = np.array([(20.0, -14.0), (27.0, -17.5), (34.0, -17.5), (41.0, -13.0)]) * (side, 1)
-        carve_groove(canvas, sheet, bag, -0.9 * lines["eye_bags"] * rng.uniform(0.9, 1.1), 2.6)
+    if lines["eye_bags"] > 0:
+        bags = Engraving(canvas)
+        for side in (-1.0, 1.0):
+            path = np.array([(20.0, -14.0), (27.0, -17.5), (34.0, -17.5), (41.0, -13.0)])
+            bags.carve(path * (side, 1), -0.9 * lines["eye_bags"] * rng.uniform(0.9, 1.1), 2.6)
+        sheet += bags.heights()
     return sheet
 
 
-def carve_groove(
-    canvas: Canvas, sheet: FloatMap, path_mm: ArrayLike, depth_mm: float, width_mm: float
-) -> None:
-    """Carve one groove whose profile is a Gaussian and whose ends run out; only its box is touched.
-
-    A negative depth makes a ridge.
-
-    Args:
-        canvas: The sheet's place.
-        sheet: ``(H, W)`` float32, mm, lowered in place.
-        path_mm: ``(K, 2)`` corner points, smoothed by a spline-like subdivision.
-        depth_mm: Greatest depth, mm; nothing happens between -0.01 and 0.01.
-        width_mm: Standard deviation of the profile, mm.
-    """
-    if abs(depth_mm) < 0.01:
-        return
-    path = _smooth(np.asarray(path_mm, dtype=np.float64))
-    pixels = canvas.to_pixels(path)
-    sigma = width_mm / canvas.pixel_mm
-    margin = int(np.ceil(3.5 * sigma)) + 1
-    low = np.floor(pixels.min(axis=0)).astype(int) - margin
-    high = np.ceil(pixels.max(axis=0)).astype(int) + margin + 1
-    low, high = np.maximum(low, 0), np.minimum(high, np.array(canvas.shape)[::-1])
-    if (high <= low).any():
-        return
-    box = np.zeros((high[1] - low[1], high[0] - low[0]), dtype=np.float32)
-    corners = np.round((pixels - low) * (1 << _SUBPIXEL_BITS)).astype(np.int32)
-    cuts = np.unique(np.linspace(0, len(path) - 1, _TAPER_STEPS + 1).astype(int))
-    for begin, end in pairwise(cuts):
-        taper = float(np.sin(np.pi * (begin + end) / 2 / (len(path) - 1)) ** 0.7)
-        run = [corners[begin : end + 1]]
-        cv2.polylines(box, run, False, taper, 1, cv2.LINE_8, _SUBPIXEL_BITS)
-    box = cv2.GaussianBlur(box, (0, 0), sigma)
-    # A line one pixel wide loses sigma sqrt(2 pi) of its height to the blur.
-    sheet[low[1] : high[1], low[0] : high[0]] -= box * np.float32(
-        depth_mm * sigma * np.sqrt(2 * np.pi)
-    )
-
-
-def _smooth(path: NDArray[np.float64]) -> NDArray[np.float64]:
-    for _ in range(2):  # Chaikin's corner cutting, ends kept
+@lru_cache(maxsize=16)
+def _smoothing(points: int) -> NDArray[np.float64]:
+    """Return the matrix that rounds the corners of a path twice (Chaikin), its ends kept."""
+    path = np.eye(points)
+    for _ in range(2):
         near = 0.75 * path[:-1] + 0.25 * path[1:]
         far = 0.25 * path[:-1] + 0.75 * path[1:]
-        middle = np.stack([near, far], axis=1).reshape(-1, 2)
+        middle = np.stack([near, far], axis=1).reshape(-1, points)
         path = np.concatenate([path[:1], middle, path[-1:]])
     return path
 
 
-def _draw_forehead(lines: Lines, rng: Generator, canvas: Canvas, sheet: FloatMap) -> None:
+def _draw_forehead(lines: Lines, rng: Generator, cuts: Engraving) -> None:
     heights = np.linspace(34.0, 62.0, lines["forehead_count"]) + rng.normal(0, 1.5)
     for height in heights:
         reach = rng.uniform(22.0, 46.0, 2)
@@ -155,13 +174,13 @@ def _draw_forehead(lines: Lines, rng: Generator, canvas: Canvas, sheet: FloatMap
             y = height + sag * np.cos(x / 18.0) - 0.002 * x**2 + rng.normal(0.0, 0.7, 6)
             depth = 0.5 * lines["forehead"] * rng.uniform(0.5, 1.1)
             path = np.stack([x, y + rng.normal(0.0, 0.8)], axis=-1)
-            carve_groove(canvas, sheet, path, depth, rng.uniform(0.55, 0.9))
+            cuts.carve(path, depth, rng.uniform(0.55, 0.9))
 
 
-def _draw_side(lines: Lines, rng: Generator, canvas: Canvas, sheet: FloatMap, side: float) -> None:
+def _draw_side(lines: Lines, rng: Generator, cuts: Engraving, side: float) -> None:
     def carve(path: list[tuple[float, float]], depth: float, width: float, jitter: float) -> None:
         moved = (np.array(path) + rng.normal(0.0, jitter, (len(path), 2))) * (side, 1.0)
-        carve_groove(canvas, sheet, moved, depth * rng.uniform(0.7, 1.2), width)
+        cuts.carve(moved, depth * rng.uniform(0.7, 1.2), width)
 
     carve([(5.5, 10.0), (5.0, 18.0), (6.5, 29.0)], 0.55 * lines["glabella"], 0.9, 0.7)
     carve([(9.5, 12.0), (9.0, 18.0), (10.5, 25.0)], 0.25 * lines["glabella"], 0.7, 0.7)
@@ -186,14 +205,14 @@ def _draw_side(lines: Lines, rng: Generator, canvas: Canvas, sheet: FloatMap, si
         carve(path, 0.22 * lines["cheeks"], 0.8, 0.6)
 
 
-def _draw_mouth(lines: Lines, rng: Generator, canvas: Canvas, sheet: FloatMap) -> None:
+def _draw_mouth(lines: Lines, rng: Generator, cuts: Engraving) -> None:
     """Short lines that run into the upper lip, and the furrow between lip and chin."""
     if lines["upper_lip"] > 0:
         for x in np.arange(-21.0, 22.0, 4.2) + rng.normal(0.0, 0.9, 11):
             top, bottom = rng.uniform(-58.0, -54.5), -63.0 - 0.012 * x * x
             path = [(1.05 * x, top), (1.02 * x, (top + bottom) / 2), (x, bottom)]
             depth = 0.26 * lines["upper_lip"] * rng.uniform(0.2, 1.1)
-            carve_groove(canvas, sheet, path, depth, rng.uniform(0.4, 0.6))
+            cuts.carve(path, depth, rng.uniform(0.4, 0.6))
     path = [(-15.0, -93.5), (-7.0, -91.0), (7.0, -91.0), (15.0, -93.5)]
     jitter = rng.normal(0.0, 0.6, (4, 2))
-    carve_groove(canvas, sheet, np.array(path) + jitter, 0.7 * lines["chin"], 1.8)
+    cuts.carve(np.array(path) + jitter, 0.7 * lines["chin"], 1.8)

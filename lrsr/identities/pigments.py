@@ -24,7 +24,7 @@ reflected to and fro in it, and each time gets darker and redder. Set by eye."""
 
 _NOISE_SHAPE = (256, 320)
 _AXIS_Z_MM = -80.0
-_OCTAVES = ((7, 0.05, 0.10), (16, 0.06, 0.09), (40, 0.05, 0.09), (100, 0.035, 0.07))
+_OCTAVES = ((7, 0.03, 0.09), (16, 0.04, 0.08), (40, 0.04, 0.08), (100, 0.035, 0.07))
 """Cells around the head and amplitudes in the logarithms of melanin and blood."""
 
 

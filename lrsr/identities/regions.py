@@ -138,7 +138,7 @@ def blood_regions(position: NDArray[Any]) -> dict[str, FloatMap]:
     """
     return {
         "cheeks": blob(position, (38.0, -34.0, -8.0), (15.0, 14.0, 40.0)),
-        "nose": blob(position, (3.0, -42.0, 18.0), (10.0, 9.0, 16.0)),
+        "nose": blob(position, (3.0, -41.0, 18.0), (11.0, 12.0, 18.0)),
         "ears": smoothstep(72.0, 79.0, np.abs(position[..., 0]))
         * blob(position, (80.0, -18.0, -95.0), (30.0, 26.0, 26.0)),
         "lids": blob(position, (31.0, 4.0, 0.0), (12.0, 4.5, 20.0)),

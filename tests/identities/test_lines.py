@@ -3,8 +3,8 @@ import json
 import numpy as np
 import pytest
 
-from lrsr.identities.canvas import Canvas
-from lrsr.identities.lines import carve_groove, draw_lines, sample_lines
+from lrsr.identities.canvas import Canvas, FloatMap
+from lrsr.identities.lines import Engraving, draw_lines, sample_lines
 
 FACE = Canvas(left_mm=-84.0, top_mm=100.0, width_mm=168.0, height_mm=230.0, pixel_mm=0.4)
 SMOOTH = {
@@ -28,35 +28,41 @@ def _row(y: float) -> int:
     return int((FACE.top_mm - y) / FACE.pixel_mm)
 
 
+def _carved(
+    begin_mm: float, end_mm: float, y_mm: float, depth_mm: float, width_mm: float
+) -> FloatMap:
+    cuts = Engraving(FACE)
+    middle = (begin_mm + end_mm) / 2
+    cuts.carve([(begin_mm, y_mm), (middle, y_mm), (end_mm, y_mm)], depth_mm, width_mm)
+    return cuts.heights()
+
+
 def test_a_groove_has_the_depth_and_the_gaussian_profile_it_was_given() -> None:
-    sheet = np.zeros(FACE.shape, dtype=np.float32)
-    carve_groove(FACE, sheet, [(-40.0, 0.1), (40.0, 0.1)], depth_mm=0.8, width_mm=1.6)
-    profile = sheet[:, FACE.shape[1] // 2]
+    profile = _carved(-40.0, 40.0, 0.1, depth_mm=0.8, width_mm=1.2)[:, FACE.shape[1] // 2]
     assert profile.min() == pytest.approx(-0.8, rel=0.03)
     at = int(profile.argmin())
-    assert profile[at + 4] == pytest.approx(-0.8 * np.exp(-0.5), rel=0.06)  # 1.6 mm away
-    assert profile[at + 8] == pytest.approx(-0.8 * np.exp(-2.0), rel=0.15)
+    assert profile[at + 3] == pytest.approx(-0.8 * np.exp(-0.5), rel=0.06)  # 1.2 mm away
+    assert profile[at + 6] == pytest.approx(-0.8 * np.exp(-2.0), rel=0.15)
+
+
+def test_a_groove_takes_the_nearest_width() -> None:
+    np.testing.assert_array_equal(_carved(-9, 9, 0, 0.5, 1.3), _carved(-9, 9, 0, 0.5, 1.2))
 
 
 def test_a_groove_runs_out_at_its_ends() -> None:
-    sheet = np.zeros(FACE.shape, dtype=np.float32)
-    carve_groove(FACE, sheet, [(-30.0, 0.0), (30.0, 0.0)], depth_mm=1.0, width_mm=1.0)
-    along = sheet.min(axis=0)
+    along = _carved(-30.0, 30.0, 0.0, depth_mm=1.0, width_mm=0.8).min(axis=0)
     near_end = int((-29.0 - FACE.left_mm) / FACE.pixel_mm)
     assert along[near_end] > 0.5 * along.min()
     assert (along[: near_end - 20] == 0).all()
 
 
 def test_a_groove_beyond_the_sheet_or_of_no_depth_changes_nothing() -> None:
-    sheet = np.zeros(FACE.shape, dtype=np.float32)
-    carve_groove(FACE, sheet, [(300.0, 0.0), (330.0, 0.0)], depth_mm=1.0, width_mm=1.0)
-    carve_groove(FACE, sheet, [(-30.0, 0.0), (30.0, 0.0)], depth_mm=0.0, width_mm=1.0)
-    assert not sheet.any()
+    assert not _carved(300.0, 330.0, 0.0, depth_mm=1.0, width_mm=1.2).any()
+    assert not _carved(-30.0, 30.0, 0.0, depth_mm=0.0, width_mm=1.2).any()
 
 
 def test_a_groove_may_leave_the_sheet() -> None:
-    sheet = np.zeros(FACE.shape, dtype=np.float32)
-    carve_groove(FACE, sheet, [(-200.0, 0.0), (200.0, 0.0)], depth_mm=1.0, width_mm=1.0)
+    sheet = _carved(-200.0, 200.0, 0.0, depth_mm=1.0, width_mm=1.2)
     assert sheet.min() == pytest.approx(-1.0, rel=0.05)
 
 
@@ -102,9 +108,7 @@ def test_bags_under_the_eyes_stand_out() -> None:
 
 
 def test_a_negative_depth_makes_a_ridge() -> None:
-    groove, ridge = (np.zeros(FACE.shape, dtype=np.float32) for _ in range(2))
-    for sheet, depth in ((groove, 0.5), (ridge, -0.5)):
-        carve_groove(FACE, sheet, [(-30.0, 0.0), (30.0, 0.0)], depth_mm=depth, width_mm=1.0)
+    groove, ridge = (_carved(-30.0, 30.0, 0.0, depth, 1.2) for depth in (0.5, -0.5))
     np.testing.assert_array_equal(ridge, -groove)
 
 
