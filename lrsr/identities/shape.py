@@ -20,7 +20,7 @@ AGES = ("young", "old")
 RACES = ("african", "asian", "caucasian")
 LEVELS = ("min", "average", "max")
 
-SHAPE_GAIN = 1.2
+SHAPE_GAIN = 1.3
 """Widens all local variation, so that real recognisers tell the people apart; more looks like
 caricature."""
 ANCESTRY_GAIN = 1.4
@@ -30,10 +30,10 @@ ASYMMETRY = 0.22 * 1.2
 REGION_WIDTH = {
     "head": 0.35,
     "forehead": 0.45,
-    "eyebrows": 0.5,
-    "eyes": 0.4,
-    "nose": 0.5,
-    "mouth": 0.45,
+    "eyebrows": 0.65,
+    "eyes": 0.75,
+    "nose": 0.62,
+    "mouth": 0.5,
     "cheek": 0.5,
     "chin": 0.5,
     "ears": 0.4,
@@ -46,10 +46,10 @@ DAMPING = {
     "nose-flaring": 0.5,
     "nose-point-down-up": 0.5,
     "nose-nostrils-width": 0.6,
-    "eye-scale": 0.6,
+    "eye-scale": 0.8,
     "eye-height2": 0.8,
-    "eye-push1": 0.6,
-    "eye-push2": 0.6,
+    "eye-push1": 0.8,
+    "eye-push2": 0.8,
     "ear-wing": 0.6,
     "ear-shape": 0.5,
     "ear-scale-decr": 0.7,
@@ -87,33 +87,46 @@ AGE_SLIDERS = {
 """What age adds to a slider, per unit of age beyond 0.3; the sign is the direction."""
 
 SEX_SLIDERS = {
-    "chin/chin-width-decr-incr": 0.15,
-    "chin/chin-bones-decr-incr": 0.2,
-    "chin/chin-height-decr-incr": 0.08,
-    "cheek/cheek-bones-decr-incr": -0.12,
-    "eyes/eye-scale-decr-incr": -0.15,
-    "eyebrows/eyebrows-trans-backward-forward": 0.15,
-    "mouth/mouth-upperlip-height-decr-incr": -0.12,
-    "mouth/mouth-lowerlip-height-decr-incr": -0.1,
-    "neck/neck-scale-horiz-decr-incr": 0.2,
-    "neck/neck-scale-depth-decr-incr": 0.2,
-    "nose/nose-scale-vert-decr-incr": 0.08,
-    "nose/nose-width2-decr-incr": 0.1,
+    "chin/chin-width-decr-incr": 0.3,
+    "chin/chin-bones-decr-incr": 0.3,
+    "chin/chin-height-decr-incr": 0.12,
+    "chin/chin-prominent-decr-incr": 0.2,
+    "cheek/cheek-bones-decr-incr": -0.2,
+    "eyes/eye-scale-decr-incr": -0.2,
+    "eyebrows/eyebrows-trans-backward-forward": 0.3,
+    "eyebrows/eyebrows-trans-down-up": -0.25,
+    "mouth/mouth-upperlip-height-decr-incr": -0.2,
+    "mouth/mouth-lowerlip-height-decr-incr": -0.2,
+    "neck/neck-scale-horiz-decr-incr": 0.3,
+    "neck/neck-scale-depth-decr-incr": 0.3,
+    "nose/nose-scale-vert-decr-incr": 0.12,
+    "nose/nose-width2-decr-incr": 0.2,
+    "nose/nose-width1-decr-incr": 0.15,
 }
 """What being a man (+1) or a woman (-1) adds to a slider, beyond MakeHuman's own difference."""
 COMMON_SLIDERS = {
-    "eyes/eye-scale-decr-incr": 0.2,
-    "mouth/mouth-angles-down-up": 0.12,
+    "eyes/eye-scale-decr-incr": 0.7,
+    "eyes/eye-push2-in-out": 0.9,
+    "eyes/eye-push1-in-out": -0.2,
+    "eyes/eye-height2-decr-incr": 0.25,
+    "ears/ear-scale-decr-incr": -0.35,
+    "head/head-scale-horiz-decr-incr": -0.1,
+    "head/head-fat-decr-incr": -0.3,
+    "chin/chin-bones-decr-incr": -0.15,
+    "neck/neck-scale-horiz-decr-incr": -0.7,
+    "mouth/mouth-angles-down-up": 0.15,
 }
-"""What everybody has: MakeHuman's eyes are a little small, its mouths a little sad."""
+"""What everybody has, so that the average of each sex has the proportions that were measured on
+people (Farkas 1994): MakeHuman's eyes are a quarter too small, its ears too large, its jaws and
+necks too wide, its mouths a little sad."""
 
 RESTING_UNITS = {
     "browInnerUp": 0.08,
     "browDown": 0.14,
     "browOuterUp": 0.2,
     "cheekSquint": 0.2,
-    "eyeSquint": 0.25,
-    "eyeBlink": 0.12,
+    "eyeSquint": 0.4,
+    "eyeBlink": 0.25,
     "mouthDimple": 0.2,
     "mouthFrown": 0.05,
     "mouthPress": 0.25,
@@ -130,7 +143,7 @@ EXPRESSION_SHARE = 0.45
 class Anatomy(TypedDict):
     """Everything that sets a head's geometry, as plain numbers.
 
-    ``sliders`` run from the "-" end (-1.3) to the "+" end (+1.3) of a MakeHuman pair;
+    ``sliders`` run from -1.5 to 1.5, where -1 and +1 are the ends of a MakeHuman pair;
     ``head_shapes``, ``asymmetry`` and ``expression`` are weights of single targets.
     """
 
@@ -179,7 +192,7 @@ def _draw_sliders(
         values[slider] += gain * (2.0 * masculinity - 1.0)
     for slider, offset in COMMON_SLIDERS.items():
         values[slider] += offset
-    return {slider: float(np.clip(value, -1.3, 1.3)) for slider, value in values.items()}
+    return {slider: float(np.clip(value, -1.5, 1.5)) for slider, value in values.items()}
 
 
 def _draw_expression(names: Sequence[str], rng: Generator) -> dict[str, float]:
@@ -214,8 +227,8 @@ def sample_anatomy(
     amount = rng.uniform(0.2, 0.9)
     asymmetry = np.clip(rng.normal(0.0, ASYMMETRY, len(sides)), -0.6, 0.6)
     return {
-        "muscle": float(rng.uniform(0.25, 0.6 + 0.15 * masculinity)),
-        "weight": float(np.clip(rng.normal(0.5, 0.22), 0.08, 0.92)),
+        "muscle": float(rng.uniform(0.22, 0.5 + 0.25 * masculinity)),
+        "weight": float(np.clip(rng.normal(0.5, 0.26), 0.05, 0.95)),
         "head_shapes": dict(
             zip(shapes, (amount * rng.dirichlet([0.3] * len(shapes))).tolist(), strict=True)
         ),
