@@ -80,7 +80,7 @@ def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[
     rng = stream(seed, "person")
     masculinity = population.masculinity(_sample_masculinity(rng))
     age = population.age(float(rng.beta(1.1, 1.5)))
-    shares = population.shares(rng.dirichlet([0.45] * len(RACES)))
+    shares = population.shares(rng.dirichlet([0.25] * len(RACES)))
     ancestry = {race: float(share) for race, share in zip(RACES, shares, strict=True)}
     appearance = sample_appearance(
         stream(seed, "appearance"), masculinity=masculinity, age=age, ancestry=shares
