@@ -64,6 +64,7 @@ def run_render(config: "DictConfig") -> Path:
         kind=config.kind,
         pose=_instantiate(config.pose),
         lighting=_instantiate(config.lighting),
+        expression=_instantiate(config.expression),
         compression=str(config.compression),
         ipd_px=number(config, "ipd_px"),
         scales=whole_numbers(config, "scales"),

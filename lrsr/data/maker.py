@@ -53,7 +53,10 @@ class MitsubaMaker:
 
         seed = identity_seed(recipe.split, recipe.index, recipe.draw)
         head: Head = sample_head(
-            seed, texture_size=recipe.texture_size, population=recipe.population
+            seed,
+            texture_size=recipe.texture_size,
+            population=recipe.population,
+            expression=recipe.expression,
         )
         return replace(head, identity_id=recipe.identity_id)
 

@@ -38,6 +38,7 @@ class ManifestRow:
         ita_deg: Individual typology angle of the bare cheeks' albedo; see
             :mod:`lrsr.identities.person`.
         skin_tone: Its class, "very light" to "dark".
+        expression: Name.
     """
 
     file: str
@@ -57,6 +58,7 @@ class ManifestRow:
     ancestry: str = ""
     ita_deg: str = ""
     skin_tone: str = ""
+    expression: str = "neutral"
 
 
 COLUMNS = tuple(field.name for field in fields(ManifestRow))
@@ -133,6 +135,7 @@ def _row(path: Path, line: int, values: dict[str, str | None], pictures: bool) -
                 "scale": int(texts["scale"]),
                 "seed": int(texts["seed"]),
                 "landmarks_px": tuple(_finite(x) for x in texts["landmarks_px"].split()),
+                "expression": texts["expression"] or "neutral",
             }  # type: ignore[arg-type]  # the keys are the fields, converted where not text
         )
     except ValueError as error:

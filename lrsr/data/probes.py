@@ -13,6 +13,7 @@ from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.recipe import ProbeRecipe
 from lrsr.errors import InputError
+from lrsr.identities.expression import find_expression
 from lrsr.identities.person import Person
 from lrsr.rendering.radiance import Radiance
 
@@ -100,7 +101,8 @@ def render_missing(
         return 0
     people: dict[tuple[object, ...], list[str]] = {}
     for key, recipe in missing.items():
-        people.setdefault((recipe.identity_id, recipe.texture_size), []).append(key)
+        shown = (recipe.identity_id, recipe.texture_size, find_expression(recipe.expression))
+        people.setdefault(shown, []).append(key)
     firsts = [missing[keys[0]] for keys in people.values()]
     with tqdm(total=len(missing), desc="rendering", unit="image", disable=not progress) as bar:
         for head, keys in zip(_heads(maker, firsts), people.values(), strict=True):

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, is_dataclass, replace
 from typing import Any, Literal
 
 from lrsr.errors import InputError
+from lrsr.identities.expression import Expression, find_expression
 from lrsr.identities.population import EVERYBODY, Population
 from lrsr.identities.splits import SPLITS, Split
 from lrsr.rendering.scene import Lighting, Pose, find_lighting, find_pose
@@ -35,9 +36,10 @@ class ProbeRecipe:
         max_depth: Longest light path.
         population: From whom the person is drawn.
         draw: How often the person was redrawn; see :mod:`lrsr.identities.roster`.
+        expression: Name of an expression, or one with any face units.
 
     Raises:
-        InputError: A value is out of its range, or there is no such pose or lighting.
+        InputError: A value is out of its range, or there is no such pose, lighting or expression.
     """
 
     split: Split
@@ -54,6 +56,7 @@ class ProbeRecipe:
     max_depth: int = 5
     population: Population = EVERYBODY
     draw: int = 0
+    expression: str | Expression = "neutral"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ipd_px", float(self.ipd_px))  # 8 and 8.0 are one picture
@@ -74,6 +77,7 @@ class ProbeRecipe:
                 raise InputError(f"{name}={getattr(self, name)}: wanted {wish}")
         find_pose(self.pose)
         find_lighting(self.lighting)
+        find_expression(self.expression)
 
     @property
     def identity_id(self) -> str:
@@ -99,13 +103,15 @@ class ProbeRecipe:
         what = [self.split, self.index, self.kind, self.pose, self.lighting, self.ipd_px]
         other = [self.population] if self.population != EVERYBODY else []
         redrawn = [self.draw] if self.draw else []
-        return replace(self, seed=derived_seed(seed, *what, self.scale, *other, *redrawn))
+        acting = find_expression(self.expression)
+        acted = [acting] if acting.units else []
+        return replace(self, seed=derived_seed(seed, *what, self.scale, *other, *redrawn, *acted))
 
     def plain(self, versions: Mapping[str, str]) -> dict[str, Any]:
         """Return everything that changes the pixels, as numbers, strings, lists and mappings.
 
         ``kind`` is left out: a gallery picture and a probe of the same light are the same pixels.
-        Poses and lightings go in as their angles and lights, named or not.
+        Poses, lightings and expressions go in as angles, lights and face units, named or not.
 
         Args:
             versions: Of the code that makes them, e.g. ``{"renderer": "3", "variant": ...}``.
@@ -113,6 +119,7 @@ class ProbeRecipe:
         pose, lighting = find_pose(self.pose), find_lighting(self.lighting)
         values = asdict(replace(self, pose=pose, lighting=lighting))
         del values["kind"]
+        values["expression"] = dict(find_expression(self.expression).units)
         return {**values, "versions": dict(versions)}
 
 

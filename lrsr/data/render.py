@@ -18,12 +18,14 @@ from lrsr.data.probes import Probe, load_radiances, photograph, render_missing
 from lrsr.data.recipe import Kind, ProbeRecipe
 from lrsr.errors import InputError
 from lrsr.files import sweep
+from lrsr.identities.expression import find_expression
 from lrsr.identities.roster import UNCHECKED, Cast
 from lrsr.identities.splits import Split
 from lrsr.paths import cache_folder
 from lrsr.rendering.radiance import Radiance
 
 if TYPE_CHECKING:
+    from lrsr.identities.expression import Expression
     from lrsr.rendering.scene import Lighting, Pose
 
 _CHUNK = 64
@@ -54,7 +56,7 @@ class RenderSettings:
         max_depth: Longest light path.
         seed: Of the noise.
         cache: Folder of the render cache; None: the user's.
-        cast: From whom people are drawn, and who of them was redrawn.
+        expression: Name, or any face units; an enrolled face is neutral.
 
     Raises:
         InputError: A number is out of range, the roster does not reach that far, or there is no
@@ -80,6 +82,7 @@ class RenderSettings:
     seed: int = 0
     cache: Path | None = None
     cast: Cast = UNCHECKED
+    expression: "str | Expression" = "neutral"
 
     def __post_init__(self) -> None:
         if self.count < 1:
@@ -96,6 +99,7 @@ class RenderSettings:
             self,
             pose="frontal",
             lighting="frontal",
+            expression="neutral",
             compression="none",
             ipd_px=GALLERY_IPD_PX,
             samples_per_pixel=min(self.samples_per_pixel, GALLERY_SAMPLES),
@@ -118,6 +122,7 @@ class RenderSettings:
                 max_depth=self.max_depth,
                 population=self.cast.population,
                 draw=self.cast.draw(self.split, index),
+                expression=self.expression,
             ).seeded(self.seed)
             for index in range(self.start, self.start + self.count)
         ]
@@ -174,9 +179,10 @@ def write_pictures(
             chunk = recipes[start : start + _CHUNK]
             radiances = load_radiances(chunk, cache, progress=progress, maker=maker)
             probes = photograph(radiances, camera, [settings.kind] * len(chunk))
-            for probe, radiance in zip(probes, radiances, strict=True):
+            for probe, radiance, recipe in zip(probes, radiances, chunk, strict=True):
                 linear = _exposed(radiance, camera) if settings.png16 else None
-                yield _write(settings.out, probe, linear)
+                worn = find_expression(recipe.expression).name
+                yield write_picture(settings.out, probe, linear, expression=worn)
 
 
 def _earlier(folder: Path) -> list[ManifestRow]:
@@ -198,8 +204,21 @@ def _exposed(radiance: Radiance, camera: Camera) -> torch.Tensor:
     return expose(radiance.image[None], metered, camera.exposure_ev)[0]
 
 
-def _write(folder: Path, probe: Probe, linear: torch.Tensor | None) -> ManifestRow:
+def write_picture(
+    folder: Path,
+    probe: Probe,
+    linear: torch.Tensor | None = None,
+    *,
+    expression: str = "neutral",
+) -> ManifestRow:
+    """Write a picture, and its linear light where that is given; return its row.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
     condition = f"{probe.kind}_{probe.pose}_{probe.lighting}_{probe.compression}"
+    if expression != "neutral":
+        condition += f"_{expression}"
     stem = re.sub(
         r"[^\w.-]+", "-", f"{probe.identity_id}_{condition}_ipd{probe.ipd_px:g}_x{probe.scale}"
     )
@@ -220,4 +239,5 @@ def _write(folder: Path, probe: Probe, linear: torch.Tensor | None) -> ManifestR
         landmarks_px=tuple(probe.landmarks_px.flatten().tolist()),
         linear_file="" if linear is None else f"{stem}_linear16.png",
         **about(probe.person),
+        expression=expression,
     )

@@ -1,4 +1,4 @@
-"""How do people stand before a camera when nobody tells them to? Poses and lights for training.
+"""How do people stand before a camera when nobody tells them to? Poses, lights, faces for training.
 
 The ranges are estimated: a head that turns at most 35° still shows both eyes, and a room lights a
 face with one or two lamps and whatever its walls send back.
@@ -6,6 +6,7 @@ face with one or two lamps and whatever its walls send back.
 
 import numpy as np
 
+from lrsr.identities.expression import EXPRESSIONS, Expression, find_expression
 from lrsr.rendering.scene import LIGHTINGS, POSES, Light, Lighting, Pose
 
 NAMED_SHARE = 0.3
@@ -38,6 +39,23 @@ def random_lighting(rng: np.random.Generator) -> Lighting:
     return Lighting(
         "random", lamps, fill_share=round(rng.uniform(0.15, 0.6), 3), fill_rgb=_white(rng)
     )
+
+
+def random_expression(rng: np.random.Generator) -> Expression:
+    """Draw a mild expression: a named one at 20 to 80 %, the lips perhaps parted.
+
+    Nobody's eyes are more than half closed: pictures of a blink are usually thrown away.
+
+    Example:
+        >>> random_expression(np.random.default_rng(0)).name
+        'random'
+    """
+    names = [name for name in EXPRESSIONS if name != "neutral"]
+    name, strength = names[rng.integers(len(names))], round(rng.uniform(0.2, 0.8), 3)
+    parted = round(max(0.0, rng.uniform(-0.15, 0.15)), 3)
+    mild = find_expression(name, strength=0.6 * strength if name == "blink" else strength)
+    jaw = min(1.0, mild.units.get("jawOpen", 0.0) + parted)
+    return Expression("random", {**mild.units, "jawOpen": jaw})
 
 
 def _lamp(rng: np.random.Generator) -> Light:

@@ -18,7 +18,7 @@ from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.probes import Probe, load_probes, render_missing
 from lrsr.data.recipe import ProbeRecipe, derived_seed
-from lrsr.data.variety import random_lighting, random_pose
+from lrsr.data.variety import random_expression, random_lighting, random_pose
 from lrsr.errors import InputError
 from lrsr.identities.roster import Casting
 from lrsr.identities.splits import Split
@@ -45,6 +45,7 @@ class FaceSettings(Casting):
         small_views: Renderings per person at ``small_ipd_px``.
         sharp_ipd_px: Lowest and highest IPD of the sharp views, px.
         small_ipd_px: Lowest and highest IPD of the small views, px.
+        expression_share: How many of the views, but never the first, show a mild expression, 0..1.
         sharp_samples: Rays per pixel of the sharp views.
         small_samples: Rays per pixel of the small views.
         validation_identities: People of the split "validation", >= 2.
@@ -65,6 +66,7 @@ class FaceSettings(Casting):
     small_views: int = 2
     sharp_ipd_px: tuple[float, float] = (32.0, 36.0)
     small_ipd_px: tuple[float, float] = (7.0, 16.0)
+    expression_share: float = 0.0
     sharp_samples: int = 16
     small_samples: int = 96
     validation_identities: int = 60
@@ -82,6 +84,8 @@ class FaceSettings(Casting):
             object.__setattr__(self, name, (low, high))
             if not 0 < low <= high:
                 raise InputError(f"faces.{name}={[low, high]}: wanted 0 < lowest <= highest")
+        if not 0 <= self.expression_share <= 1:
+            raise InputError(f"faces.expression_share={self.expression_share}: wanted 0 to 1")
         least = {"identities": 2, "validation_identities": 2, "sharp_views": 1, "small_views": 0}
         for name, minimum in least.items():
             if getattr(self, name) < minimum:
@@ -225,16 +229,20 @@ def enlarge(srgb: torch.Tensor, factor: int) -> torch.Tensor:
 
 def _views(settings: FaceSettings, index: int) -> Iterator[ProbeRecipe]:
     rng = np.random.default_rng(derived_seed(settings.seed, "faces", index))
+    of_expression = np.random.default_rng(derived_seed(settings.seed, "expressions", index))
     for view in range(settings.sharp_views + settings.small_views):
         sharp = view < settings.sharp_views
         low, high = settings.sharp_ipd_px if sharp else settings.small_ipd_px
         pose, lighting = random_pose(rng), random_lighting(rng)
+        acted = random_expression(of_expression)
+        acting = view > 0 and of_expression.random() < settings.expression_share
         yield ProbeRecipe(
             split="train",
             index=index,
             population=settings.cast.population,
             draw=settings.cast.draw("train", index),
             pose="frontal" if view == 0 else pose,
+            expression=acted if acting else "neutral",
             lighting=lighting,
             ipd_px=round(rng.uniform(low, high), 2),
             samples_per_pixel=settings.sharp_samples if sharp else settings.small_samples,

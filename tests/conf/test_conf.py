@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 from hydra import compose, initialize_config_dir
+from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
+from lrsr.identities.expression import EXPRESSIONS, find_expression
 from lrsr.paths import config_folder
 
 FOLDER = config_folder()
@@ -50,3 +52,16 @@ def test_the_six_options_are_table_2_of_the_paper() -> None:
         5: {"compression": "heavy", "lighting": "below", "pose": "up"},
         6: {"compression": "heavy", "lighting": "below", "pose": "left"},
     }
+
+
+@pytest.mark.parametrize("name", EXPRESSIONS)
+def test_every_named_expression_has_a_file(name: str) -> None:
+    config = OmegaConf.create(composed("render", "out=x", f"expression={name}"))
+    assert instantiate(config.expression) == find_expression(name)
+
+
+def test_face_units_can_be_given_on_the_command_line() -> None:
+    given = ("+expression.units.jawOpen=0.2", "+expression.strength=0.5", "expression=blink")
+    config = OmegaConf.create(composed("render", "out=x", *given))
+    units = {"eyeBlinkLeft": 0.5, "eyeBlinkRight": 0.5, "jawOpen": 0.2}
+    assert instantiate(config.expression).units == units

@@ -39,8 +39,11 @@ def _parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stand-ins for the modules that build and render; their own tests are elsewhere."""
     Renderer.made, Renderer.asked = [], []
 
-    def sample_head(seed: int, *, texture_size: int, population: Population) -> Head:
+    def sample_head(
+        seed: int, *, texture_size: int, population: Population, expression: str
+    ) -> Head:
         numbers = {"seed": seed, "texture_size": texture_size, "population": population}
+        numbers["expression"] = expression
         return Head("seed-x", (), np.zeros((2, 3)), np.zeros((5, 3)), numbers)
 
     parts: dict[str, dict[str, Any]] = {
@@ -62,7 +65,17 @@ def test_the_versions_are_those_of_all_that_changes_pixels() -> None:
 def test_a_head_has_the_seed_of_its_split_and_the_name_of_the_recipe() -> None:
     head = MitsubaMaker().head(RECIPE)
     assert head.identity_id == "test-00005"
-    assert head.parameters == {"seed": 3 * 5 + 2, "texture_size": 64, "population": EVERYBODY}
+    assert head.parameters == {
+        "seed": 3 * 5 + 2,
+        "texture_size": 64,
+        "population": EVERYBODY,
+        "expression": "neutral",
+    }
+
+
+def test_a_head_wears_the_expression_of_the_recipe() -> None:
+    head = MitsubaMaker().head(replace(RECIPE, expression="smile"))
+    assert (head.identity_id, head.parameters["expression"]) == ("test-00005", "smile")
 
 
 def test_a_redrawn_head_has_another_seed_and_its_population() -> None:

@@ -55,7 +55,7 @@ def test_a_row_tells_who_it_shows(folder: Path) -> None:
     person = Person("female", 41.5, {"african": 0.25, "asian": 0.75}, 12.34, "tan")
     with write_manifest(folder, [replace(ROW, **about(person))]).open(newline="") as file:
         (row,) = csv.DictReader(file)
-    assert {name: row[name] for name in COLUMNS[12:]} == {
+    assert {name: row[name] for name in COLUMNS[12:17]} == {
         "sex": "female",
         "age_years": "41.5",
         "ancestry": "african=0.25 asian=0.75",
@@ -63,6 +63,13 @@ def test_a_row_tells_who_it_shows(folder: Path) -> None:
         "skin_tone": "tan",
     }
     assert about(None) == {}
+
+
+def test_a_manifest_of_before_there_were_expressions_is_read(folder: Path) -> None:
+    smiling = replace(ROW, expression="smile")
+    assert read_manifest(write_manifest(folder, [smiling]).parent) == [smiling]
+    rewrite(folder, ",expression\n", "\n")
+    assert [row.expression for row in read_manifest(folder)] == ["neutral", "neutral"]
 
 
 def test_any_csv_reader_reads_it(folder: Path) -> None:

@@ -298,3 +298,13 @@ def test_probes_of_two_sizes_make_no_batch(cache: RenderCache, maker: FakeMaker)
         stack(probes)
     with pytest.raises(InputError, match="make no batch"):
         stack([])
+
+
+def test_a_head_is_built_once_for_each_expression(cache: RenderCache, maker: FakeMaker) -> None:
+    wanted = [
+        ProbeRecipe("test", 0, ipd_px=ipd_px, expression=expression)
+        for ipd_px in (4, 5)
+        for expression in ("neutral", "smile")
+    ]
+    assert render_missing(wanted, cache, progress=False, maker=maker) == 4
+    assert maker.heads == ["test-00000", "test-00000"]

@@ -9,6 +9,7 @@ import pytest
 from lrsr.data.cache import RenderCache
 from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.errors import InputError
+from lrsr.identities.expression import EXPRESSIONS, Expression
 from lrsr.identities.population import Population
 from lrsr.rendering.scene import LIGHTINGS, POSES, Light, Lighting, Pose
 
@@ -28,6 +29,7 @@ OTHERS: dict[str, Any] = {
     "max_depth": 8,
     "population": Population("female"),
     "draw": 1,
+    "expression": "smile",
 }
 
 
@@ -57,6 +59,20 @@ def test_a_whole_distance_is_the_same_as_a_number_with_a_point() -> None:
 def test_a_named_pose_is_its_angles_and_a_named_lighting_its_lights() -> None:
     spelt_out = replace(RECIPE, pose=POSES["left"], lighting=LIGHTINGS["above"])
     assert key(spelt_out) == key(replace(RECIPE, pose="left", lighting="above"))
+
+
+def test_a_named_expression_is_its_face_units() -> None:
+    mine = Expression("mine", EXPRESSIONS["smile"])
+    assert key(replace(RECIPE, expression=mine)) == key(replace(RECIPE, expression="smile"))
+    assert key(replace(RECIPE, expression=Expression("none"))) == key(RECIPE)
+
+
+def test_an_expression_has_noise_of_its_own_and_neutral_that_of_before() -> None:
+    seeds = [replace(RECIPE, expression=e).seeded(7).seed for e in ("neutral", "smile", "blink")]
+    assert len(set(seeds)) == 3
+    assert seeds[0] == derived_seed(
+        7, "test", 3, "probe", "frontal", "frontal", RECIPE.ipd_px, RECIPE.scale
+    )
 
 
 def test_any_pose_and_any_lighting_become_plain_values() -> None:
@@ -93,6 +109,7 @@ def test_a_key_is_the_sha_256_of_the_canonical_json() -> None:
         ({"max_depth": 0}, "max_depth=0"),
         ({"draw": -1}, "draw=-1"),
         ({"pose": "sideways"}, "pose 'sideways' does not exist; choose one of frontal"),
+        ({"expression": "laugh"}, "expression 'laugh' does not exist; choose one of neutral"),
         ({"lighting": "noon"}, "lighting 'noon' does not exist; choose one of frontal"),
     ],
     ids=lambda value: "-".join(value) if isinstance(value, dict) else "",

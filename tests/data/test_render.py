@@ -74,6 +74,21 @@ def test_a_picture_is_the_probe_bit_for_bit(settings: RenderSettings, maker: Fak
         assert (row.camera, row.compression) == ("dark", "heavy")
 
 
+def test_an_expression_is_named_in_the_manifest_and_in_the_file(
+    settings: RenderSettings, maker: FakeMaker
+) -> None:
+    for expression in ("neutral", "smile"):
+        render(replace(settings, expression=expression), maker)
+    rows = read_manifest(settings.out)
+    assert [row.expression for row in rows] == ["neutral", "neutral", "smile", "smile"]
+    assert ["_smile_" in row.file for row in rows] == [False, False, True, True]
+
+
+def test_a_gallery_is_neutral(settings: RenderSettings, maker: FakeMaker) -> None:
+    render(replace(settings, kind="gallery", expression="smile"), maker)
+    assert {row.expression for row in read_manifest(settings.out)} == {"neutral"}
+
+
 def test_the_sixteen_bit_file_holds_the_exposed_light(
     settings: RenderSettings, maker: FakeMaker
 ) -> None:
@@ -194,6 +209,7 @@ def test_the_users_cache_is_the_default(
         ({"scales": (3,)}, "scale=3: wanted one of"),
         ({"compression": "much"}, "compression 'much': choose one of"),
         ({"pose": "sideways"}, "pose 'sideways' does not exist"),
+        ({"expression": "laugh"}, "expression 'laugh' does not exist"),
         ({"lighting": "noon"}, "lighting 'noon' does not exist"),
         ({"split": "all"}, "split=all: wanted one of"),
         ({"ipd_px": -1.0}, "ipd_px=-1.0: wanted"),

@@ -1,6 +1,6 @@
 import numpy as np
 
-from lrsr.data.variety import random_lighting, random_pose
+from lrsr.data.variety import random_expression, random_lighting, random_pose
 from lrsr.rendering.scene import LIGHTINGS, POSES, environment
 
 
@@ -22,3 +22,14 @@ def test_every_light_can_be_metered() -> None:
     lights = [random_lighting(np.random.default_rng(seed)) for seed in range(40)]
     assert all(environment(light)[1] > 0 for light in lights)
     assert {light.name for light in lights} == {*LIGHTINGS, "random"}
+
+
+def test_expressions_are_mild_and_eyes_stay_open() -> None:
+    rng = np.random.default_rng(0)
+    faces = [random_expression(rng) for _ in range(100)]
+    assert max(max(face.units.values(), default=0.0) for face in faces) < 0.8
+    assert 0.2 < max(face.units.get("eyeBlinkLeft", 0.0) for face in faces) < 0.5
+    assert len({tuple(face.units) for face in faces}) > 7
+    assert random_expression(np.random.default_rng(3)) == random_expression(
+        np.random.default_rng(3)
+    )

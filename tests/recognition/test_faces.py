@@ -95,11 +95,23 @@ def test_validation_meets_the_gallery_at_four_sizes(cache: RenderCache, maker: "
     assert all(crops.shape == (2, 3, 112, 112) for crops in sets.values())
 
 
+def test_expressions_change_nothing_but_the_faces() -> None:
+    plain, acting = (
+        training_recipes(FaceSettings(identities=6, expression_share=share)) for share in (0.0, 0.5)
+    )
+    assert {recipe.expression for recipe in plain} == {"neutral"}
+    assert [replace(recipe, expression="neutral") for recipe in acting] == plain
+    shown = [recipe.expression != "neutral" for recipe in acting]
+    assert not any(shown[::6])  # the first view of each person
+    assert 5 < sum(shown) < 25
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
         ({"identities": 1}, "faces.identities=1: wanted at least 2"),
         ({"sharp_views": 0}, "faces.sharp_views=0: wanted at least 1"),
+        ({"expression_share": 1.5}, "faces.expression_share=1.5: wanted 0 to 1"),
         ({"small_ipd_px": (9, 7)}, r"faces.small_ipd_px=\[9.0, 7.0\]: wanted 0 < lowest"),
     ],
 )
