@@ -40,7 +40,9 @@ COMMANDS = {
     "render": Command("probes, references and gallery into a folder", "lrsr.tasks:run_render"),
     "train": Command("sr=srcnn2x|srcnn4x or recognition=arcface", "lrsr.tasks:run_train"),
     "eval": Command("an experiment: results.json, report.html", "lrsr.tasks:run_eval"),
-    "identities": Command("contact sheet and uniqueness check (not in this version)"),
+    "identities": Command(
+        "contact sheet, who they are, uniqueness check", "lrsr.tasks:run_identities"
+    ),
     "models": Command("list, verify and pull weights (not in this version)"),
 }
 
@@ -56,6 +58,7 @@ examples:
   lrsr eval experiment=super_resolution identities.count=200 options=[1,4]
   lrsr render identities.count=3 pose=left lighting=above ipd_px=8 out=probes
   lrsr train sr=srcnn4x identities.count=300
+  lrsr identities identities.count=1500 identities.sex=female
 
 lrsr COMMAND --help lists what can be overridden; lrsr COMMAND --cfg job prints the configuration.
 """

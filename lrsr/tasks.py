@@ -78,6 +78,27 @@ def run_render(config: "DictConfig") -> Path:
     return folder
 
 
+def run_identities(config: "DictConfig") -> Path:
+    """Show a set of people and redraw look-alikes; see :mod:`lrsr.experiments.people`.
+
+    Raises:
+        InputError: A setting is wrong; nothing has been rendered by then.
+    """
+    from lrsr.experiments.people import check_uniqueness  # torch takes seconds
+    from lrsr.experiments.uniqueness import uniqueness_settings
+
+    settings = uniqueness_settings(config)
+    folder = _run_folder()
+    write_provenance(folder, config)
+    return check_uniqueness(
+        settings,
+        folder,
+        cache=_cache(config),
+        camera=_instantiate(config.camera),
+        model=_path(config.recognition.model),
+    )
+
+
 def run_train(config: "DictConfig") -> Path:
     """Train SRCNN or an embedder on probes rendered on the fly, into the run folder.
 

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from lrsr.errors import ImageContractError
@@ -25,7 +26,7 @@ COLOURS = ("#000000", "#56B4E9", "#0072B2", "#E69F00", "#D55E00", "#009E73", "#C
 DASHES = ("-", (0, (1, 1)), "-", (0, (4, 1)), (0, (4, 1, 1, 1)), "-", (0, (2, 1)), (0, (6, 2)))
 """A second way to tell lines apart, for grey print."""
 
-_STYLE = {
+STYLE = {
     "font.family": "sans-serif",
     "font.size": 8,
     "axes.spines.top": False,
@@ -63,7 +64,7 @@ def draw_roc(curves: Mapping[str, RocCurve], level: float = 0.95) -> str:
     Returns:
         A PNG as a data URI.
     """
-    with rc_context(_STYLE):
+    with rc_context(STYLE):
         figure = Figure(figsize=(7.2, 3.5), dpi=DPI, layout="constrained")
         plain, logarithmic = figure.subplots(1, 2)
         for number, (label, curve) in enumerate(curves.items()):
@@ -90,7 +91,7 @@ def draw_intervals(intervals: Sequence[Interval], quantity: str) -> str:
     Returns:
         A PNG as a data URI.
     """
-    with rc_context(_STYLE):
+    with rc_context(STYLE):
         figure = Figure(figsize=(7.2, 0.55 + 0.24 * len(intervals)), dpi=DPI, layout="constrained")
         axes = figure.subplots()
         places = np.arange(len(intervals))[::-1]
@@ -103,6 +104,41 @@ def draw_intervals(intervals: Sequence[Interval], quantity: str) -> str:
         axes.grid(visible=True, axis="x")
         axes.spines["left"].set_visible(False)
         return _encode(figure)
+
+
+def draw_angles(angles_deg: ArrayLike, smallest_angle_deg: float, encoder: str) -> bytes:
+    """Draw the histogram of the angles between people.
+
+    Args:
+        angles_deg: At least one, degrees.
+        smallest_angle_deg: Marked, unless it is 0.
+        encoder: What measured them.
+
+    Returns:
+        A PNG.
+    """
+    angles = np.asarray(angles_deg, dtype=np.float64)
+    last = np.ceil(angles.max() / 5) * 5 + 5
+    step = 1.0 if angles.size > 300 else 2.0
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.2, 3.0), dpi=DPI, layout="constrained")
+        axes = figure.subplots()
+        axes.hist(angles, bins=np.arange(0, last + step, step).tolist(), color="#0072B2")
+        for value, label, dashes in (
+            (float(angles.min()), "smallest", "--"),
+            (float(np.median(angles)), "median", "-"),
+        ):
+            axes.axvline(value, color="black", linestyle=dashes, label=f"{label} {value:.1f}°")
+        if smallest_angle_deg > 0:
+            label = f"nearer is one person: {smallest_angle_deg:g}°"
+            axes.axvspan(0, smallest_angle_deg, color="#D55E00", alpha=0.2, lw=0, label=label)
+        axes.set(xlabel=f"Angle between two people, degrees ({encoder} encoder)", ylabel="Pairs")
+        axes.set(xlim=(0, last))
+        axes.grid(visible=True, axis="y")
+        axes.set_axisbelow(True)
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.legend()
+        return png_bytes(figure)
 
 
 def encode_face(srgb: ArrayLike) -> str:
@@ -125,7 +161,7 @@ def encode_face(srgb: ArrayLike) -> str:
     levels = np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8)
     buffer = io.BytesIO()
     imsave(buffer, np.ascontiguousarray(levels.transpose(1, 2, 0)), format="png")
-    return _data_uri(buffer)
+    return data_uri(buffer.getvalue())
 
 
 def _draw_curve(axes: Axes, curve: RocCurve, label: str, number: int, level: float) -> None:
@@ -139,11 +175,17 @@ def _draw_curve(axes: Axes, curve: RocCurve, label: str, number: int, level: flo
     axes.plot(curve.fmr, curve.tmr, label=label, **line)
 
 
-def _encode(figure: Figure) -> str:
+def png_bytes(figure: Figure) -> bytes:
+    """Return a figure as a PNG; the same figure gives the same bytes."""
     buffer = io.BytesIO()
     FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})
-    return _data_uri(buffer)
+    return buffer.getvalue()
 
 
-def _data_uri(buffer: io.BytesIO) -> str:
-    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
+def data_uri(png: bytes) -> str:
+    """Return a PNG as a data URI, to be put into a page."""
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def _encode(figure: Figure) -> str:
+    return data_uri(png_bytes(figure))

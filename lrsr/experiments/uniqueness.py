@@ -1,0 +1,288 @@
+"""Is everybody in a set of people somebody else?
+
+Everyone's gallery picture is embedded, look-alikes are redrawn until there are none, and what is
+left is described: who they are, the angles between them, and the nearest pairs.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from lrsr.camera import Camera
+from lrsr.configuration import number, require, section, whole_number
+from lrsr.data.cache import RenderCache
+from lrsr.data.maker import Maker, mitsuba_maker
+from lrsr.data.probes import Probe, ProbeRecipe, load_probes, render_missing, stack
+from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
+from lrsr.identities.person import Person
+from lrsr.identities.roster import Roster
+from lrsr.identities.uniqueness import (
+    Distinct,
+    Drawn,
+    Pair,
+    closest_pairs,
+    draw_distinct,
+    pairwise_angles_deg,
+    summarise,
+)
+from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+NEAREST = 10
+"""Pairs that are shown side by side."""
+
+_CHUNK = 64
+
+
+@dataclass(frozen=True)
+class UniquenessSettings:
+    """Everything that the outcome depends on.
+
+    Attributes:
+        identities: Who is looked at; a roster is gone on from.
+        gallery: The picture of each.
+        rendering: How light becomes a film.
+        seed: Every sampler's seed follows from it.
+        encoder: What compares them.
+        smallest_angle_deg: Nearer than that, the later of two is redrawn; 0 redraws nobody.
+        most_redraws: Per person.
+    """
+
+    identities: IdentityRange
+    gallery: GallerySettings
+    rendering: RenderingSettings
+    seed: int
+    encoder: Literal["dlib", "shipped"]
+    smallest_angle_deg: float
+    most_redraws: int
+
+    def __post_init__(self) -> None:
+        angle = self.smallest_angle_deg
+        require(0 <= angle < 90, "smallest_angle_deg", angle, "0 to 90 degrees")
+        require(self.most_redraws >= 0, "most_redraws", self.most_redraws, "at least 0")
+
+
+def uniqueness_settings(config: "DictConfig") -> UniquenessSettings:
+    """Read the settings of ``lrsr identities`` from its composed configuration.
+
+    Raises:
+        InputError: A value is out of range, or dlib is asked for and not installed.
+    """
+    encoder = resolve_encoder(str(config.encoder))
+    given = config.smallest_angle_deg is not None
+    return UniquenessSettings(
+        identities=section(IdentityRange, config, "identities"),
+        gallery=section(GallerySettings, config, "gallery"),
+        rendering=section(RenderingSettings, config, "rendering"),
+        seed=whole_number(config, "seed"),
+        encoder=encoder,
+        smallest_angle_deg=(
+            number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
+        ),
+        most_redraws=whole_number(config, "most_redraws"),
+    )
+
+
+class Gallery:
+    """Everyone's enrolled picture and embedding, made when it is first asked for.
+
+    Args:
+        settings: Who, and how they are pictured.
+        cache: Where renderings are kept.
+        encoder: Embeds.
+        camera: Takes the pictures, without compression.
+        maker: Renders what the cache lacks; Mitsuba when None.
+        progress: Show bars on stderr.
+    """
+
+    def __init__(
+        self,
+        settings: UniquenessSettings,
+        cache: RenderCache,
+        encoder: Encoder,
+        camera: Camera,
+        maker: Maker | None = None,
+        *,
+        progress: bool = True,
+    ) -> None:
+        self.settings = settings
+        self.encoder = encoder
+        self.people: dict[Drawn, Person | None] = {}
+        self.embeddings: dict[Drawn, NDArray[np.float32]] = {}
+        self._cache = cache
+        self._camera = camera.compressing("none")
+        self._maker, self._progress = maker or mitsuba_maker(), progress
+
+    def recipe(self, drawn: Drawn) -> ProbeRecipe:
+        """Return what somebody is rendered as; the same as the gallery of ``lrsr eval``."""
+        (index, redraw), settings = drawn, self.settings
+        people, rendering = settings.identities, settings.rendering
+        return ProbeRecipe(
+            split=people.split,  # type: ignore[arg-type]  # checked to be a split
+            index=index,
+            kind="gallery",
+            **asdict(settings.gallery),
+            texture_size=rendering.texture_size,
+            skin=rendering.skin,
+            max_depth=rendering.max_depth,
+            population=people.cast.population,
+            draw=people.cast.draw(people.split, index) + redraw,
+        ).seeded(settings.seed)
+
+    def embed(self, drawn: Sequence[Drawn]) -> NDArray[np.float32]:
+        """Render, photograph and embed people; return ``(n, D)``.
+
+        Raises:
+            InputError: The cache cannot be read or written.
+        """
+        recipes = [self.recipe(one) for one in drawn]
+        render_missing(recipes, self._cache, progress=self._progress, maker=self._maker)
+        with tqdm(
+            total=len(drawn), desc="comparing", unit="face", disable=not self._progress
+        ) as bar:
+            for start in range(0, len(drawn), _CHUNK):
+                some = drawn[start : start + _CHUNK]
+                probes = self.photograph(some)
+                images, landmarks = stack(probes)
+                rows = self.encoder.embed(images, landmarks.numpy())
+                self.embeddings |= dict(zip(some, rows, strict=True))
+                for one, probe in zip(some, probes, strict=True):
+                    self.people[one] = probe.person
+                bar.update(len(some))
+        return np.stack([self.embeddings[one] for one in drawn])
+
+    def photograph(self, drawn: Sequence[Drawn]) -> list[Probe]:
+        """Return the pictures of people.
+
+        Raises:
+            InputError: The cache cannot be read or written.
+        """
+        recipes = [self.recipe(one) for one in drawn]
+        return load_probes(
+            recipes, self._cache, self._camera, progress=self._progress, maker=self._maker
+        )
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What came out.
+
+    Attributes:
+        drawn: Who is left, in the order of the indices.
+        names: Of everyone who was drawn, dismissed ones too.
+        people: What is recorded of everyone left.
+        angles_deg: Between all pairs of those left.
+        first_angles_deg: Between all pairs of the first draws.
+        pairs: The nearest pairs of those left; the rows count in ``drawn``.
+        outcome: Who was redrawn, and why.
+        encoder: What compared them.
+    """
+
+    drawn: tuple[Drawn, ...]
+    names: Mapping[Drawn, str]
+    people: tuple[Person, ...]
+    angles_deg: NDArray[np.float32]
+    first_angles_deg: NDArray[np.float32]
+    pairs: tuple[Pair, ...]
+    outcome: Distinct
+    encoder: Mapping[str, object]
+
+
+def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
+    """Redraw look-alikes until there are none, and say what is left.
+
+    Raises:
+        InputError: The cache cannot be read or written.
+    """
+    people = settings.identities
+    indices = range(people.start, people.start + people.count)
+    outcome = draw_distinct(
+        indices,
+        gallery.embed,
+        smallest_angle_deg=settings.smallest_angle_deg,
+        most_redraws=settings.most_redraws,
+    )
+    drawn = tuple(zip(indices, outcome.draws, strict=True))
+    rows = np.stack([gallery.embeddings[one] for one in drawn])
+    known = [gallery.people[one] for one in drawn]
+    return Findings(
+        drawn=drawn,
+        names={one: gallery.recipe(one).identity_id for one in gallery.embeddings},
+        people=tuple(person for person in known if person is not None),
+        angles_deg=pairwise_angles_deg(rows),
+        first_angles_deg=pairwise_angles_deg(
+            np.stack([gallery.embeddings[index, 0] for index in indices])
+        ),
+        pairs=tuple(closest_pairs(rows, NEAREST)),
+        outcome=outcome,
+        encoder=gallery.encoder.describe(),
+    )
+
+
+def make_roster(settings: UniquenessSettings, findings: Findings, recipe_version: str) -> Roster:
+    """Return the roster of those left; redraws of a roster that was gone on from are added."""
+    people = settings.identities
+    draws = {
+        index: redraw + people.cast.draw(people.split, index) for index, redraw in findings.drawn
+    }
+    return Roster(
+        split=people.split,  # type: ignore[arg-type]  # checked to be a split
+        start=people.start,
+        count=people.count,
+        population=people.cast.population,
+        recipe=recipe_version,
+        encoder=settings.encoder,
+        angle_deg=settings.smallest_angle_deg,
+        draws={index: draw for index, draw in draws.items() if draw},
+        unresolved=findings.outcome.unresolved,
+    )
+
+
+def summary(findings: Findings) -> dict[str, Any]:
+    """Return the findings as plain values.
+
+    Returns:
+        JSON-serialisable: ``people``, ``faces_not_found``, ``angles_deg`` (of those left),
+        ``first_angles_deg`` (before anybody was redrawn), ``nearest_pairs``, ``rejected``,
+        ``unresolved``, ``encoder``.
+    """
+    counts, edges = np.histogram(findings.angles_deg, bins=np.arange(0.0, 181.0, 1.0))
+    pairs = len(findings.angles_deg)
+    return {
+        "people": len(findings.drawn),
+        "compared": round((1 + (1 + 8 * pairs) ** 0.5) / 2) if pairs else 0,
+        "angles_deg": summarise(findings.angles_deg),
+        "first_angles_deg": summarise(findings.first_angles_deg),
+        "histogram": {"edges_deg": edges.tolist(), "pairs": counts.tolist()},
+        "nearest_pairs": [
+            {
+                "first": findings.names[findings.drawn[pair.first]],
+                "second": findings.names[findings.drawn[pair.second]],
+                "angle_deg": pair.angle_deg,
+            }
+            for pair in findings.pairs
+        ],
+        "rejected": [
+            {
+                "who": findings.names[index, draw],
+                "too_near_to": findings.names[findings.drawn[_row(findings, near)]],
+                "angle_deg": angle,
+            }
+            for index, draw, near, angle in findings.outcome.rejected
+        ],
+        "unresolved": [
+            findings.names[findings.drawn[_row(findings, index)]]
+            for index in findings.outcome.unresolved
+        ],
+        "encoder": dict(findings.encoder),
+    }
+
+
+def _row(findings: Findings, index: int) -> int:
+    return index - findings.drawn[0][0]
