@@ -53,6 +53,8 @@ def load_encoder(name: Literal["dlib", "shipped"], model: Path | None = None) ->
         model: ONNX embedder that stands in for the shipped one.
 
     Raises:
-        InputError: A model is missing or broken.
+        InputError: A model is missing or broken, or is given although dlib is to compare.
     """
+    if name == "dlib" and model is not None:
+        raise InputError(f"recognition.model={model}: dlib takes none; add encoder=shipped")
     return DlibEncoder() if name == "dlib" else Engine(model)

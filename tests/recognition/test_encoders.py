@@ -1,0 +1,87 @@
+"""Which encoder is taken, with dlib and without."""
+
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+import torch
+from fakes.dlib_parts import install_dlib, remove_dlib
+
+from lrsr.errors import InputError
+from lrsr.recognition import Engine
+from lrsr.recognition.alignment import TEMPLATE_PX
+from lrsr.recognition.dlib_encoder import DlibEncoder
+from lrsr.recognition.encoders import (
+    ENCODERS,
+    SMALLEST_ANGLE_DEG,
+    EncoderName,
+    load_encoder,
+    resolve_encoder,
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "resolved"), [("auto", "dlib"), ("dlib", "dlib"), ("shipped", "shipped")]
+)
+def test_with_dlib_it_is_taken_unless_the_shipped_one_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str, resolved: str
+) -> None:
+    install_dlib(monkeypatch, tmp_path)
+    assert resolve_encoder(name) == resolved
+
+
+@pytest.mark.parametrize("name", ["auto", "shipped"])
+def test_without_dlib_the_shipped_one_is_taken(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    remove_dlib(monkeypatch)
+    assert resolve_encoder(name) == "shipped"
+
+
+def test_dlib_asked_for_but_not_installed_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    remove_dlib(monkeypatch)
+    with pytest.raises(InputError, match=r"pip install 'lrsr\[dlib\]', or give encoder=shipped"):
+        resolve_encoder("dlib")
+
+
+def test_an_unknown_encoder_is_refused_with_those_there_are() -> None:
+    with pytest.raises(InputError, match="encoder=facenet: wanted one of auto, dlib, shipped"):
+        resolve_encoder("facenet")
+
+
+def test_every_encoder_has_a_smallest_angle() -> None:
+    assert get_args(EncoderName) == ENCODERS
+    assert set(SMALLEST_ANGLE_DEG) == set(ENCODERS) - {"auto"}
+    assert SMALLEST_ANGLE_DEG["dlib"] == 11.2  # figure 13 of the paper
+
+
+def test_the_shipped_encoder_embeds_with_rows_of_length_one() -> None:
+    encoder = load_encoder("shipped")
+    images = torch.rand(2, 3, 112, 112, generator=torch.Generator().manual_seed(0))
+    rows = encoder.embed(images, np.stack([TEMPLATE_PX] * 2))
+    np.testing.assert_allclose(np.linalg.norm(rows, axis=1), 1, atol=1e-5)
+
+
+def test_a_given_model_stands_in_for_the_shipped_one(tiny_model: Path) -> None:
+    encoder = load_encoder("shipped", tiny_model)
+    assert isinstance(encoder, Engine)
+    assert encoder.describe()["model"] == tiny_model.name
+
+
+def test_dlib_is_loaded_when_it_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    install_dlib(monkeypatch, tmp_path)
+    assert isinstance(load_encoder("dlib"), DlibEncoder)
+
+
+def test_dlib_takes_no_other_model(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, tiny_model: Path
+) -> None:
+    install_dlib(monkeypatch, tmp_path / "site")
+    with pytest.raises(InputError, match=r"recognition\.model=.*tiny\.onnx: .*encoder=shipped"):
+        load_encoder("dlib", tiny_model)
+
+
+def test_a_missing_model_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"absent\.onnx"):
+        load_encoder("shipped", tmp_path / "absent.onnx")
