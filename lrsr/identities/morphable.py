@@ -3,7 +3,8 @@
 ``sample_head(seed)`` is the whole recipe: plain numbers are drawn once (:func:`sample_parameters`),
 shape, skin, brows, beard, eyes and hair are made from them, so they agree with each other. Every
 trait has a random stream of its own, so a change to one of them leaves the others as they were.
-All people are adults.
+A face or a head of hair that no adult has is drawn again (:mod:`lrsr.identities.gate`) before
+anything costly is made of it. All people are adults.
 """
 
 from collections.abc import Iterator, Mapping
@@ -11,24 +12,27 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
+from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
 from lrsr.identities.appearance import SkinMaps, SkinPainter, sample_appearance
-from lrsr.identities.basis import BaseHead, Basis, load_basis
+from lrsr.identities.basis import BaseHead, load_basis
 from lrsr.identities.expression import Expression, find_expression
-from lrsr.identities.eyes import Eyes, eye_chart, eyeball_vertices, find_eyes, unit_ball
+from lrsr.identities.eyes import Eyes, eye_chart, eyeball_vertices, unit_ball
+from lrsr.identities.gate import draw_plausible, record
 from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
 from lrsr.identities.lashes import lash_faces, place_lashes
-from lrsr.identities.lids import clear_lids, lid_margins, rest_lids
+from lrsr.identities.lids import clear_lids, lid_margins
 from lrsr.identities.mouth import JAW_UNITS, build_mouth, cavity, lining
+from lrsr.identities.plausibility import Plausibility, check_face, check_hair
 from lrsr.identities.population import EVERYBODY, OLDEST_YEARS, YOUNGEST_YEARS, Population
 from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.proportions import load_gauge
 from lrsr.identities.relief import displace
-from lrsr.identities.shape import RACES, coefficients, sample_anatomy
+from lrsr.identities.resting import RestingFace, act, rest_face
+from lrsr.identities.shape import RACES, Anatomy, coefficients, sample_anatomy
 from lrsr.identities.template import template
 
 RECIPE_VERSION = "5"
@@ -41,19 +45,21 @@ EYE_TEXTURE = 256
 LASH_ALBEDO = 0.015
 
 
-def stream(seed: int, name: str) -> Generator:
+def stream(seed: int, name: str, attempt: int = 0) -> Generator:
     """Return the random generator of one trait of one person.
 
     Args:
         seed: The person, >= 0.
         name: One of :data:`STREAMS`.
+        attempt: How often the trait was drawn before, >= 0.
 
     Raises:
         ValueError: The seed is negative or the name unknown.
     """
     if seed < 0:
         raise ValueError(f"seed must be >= 0, got {seed}")
-    return np.random.default_rng([seed, STREAMS.index(name)])
+    key = (attempt,) if attempt else ()
+    return np.random.default_rng(SeedSequence([seed, STREAMS.index(name)], spawn_key=key))
 
 
 def _sample_masculinity(rng: Generator) -> float:
@@ -72,22 +78,40 @@ def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[
     Returns:
         JSON-serialisable: ``sex``, ``masculinity`` (0..1), ``age`` (0..1), ``age_years`` (25..75),
         ``ancestry`` (shares of :data:`lrsr.identities.shape.RACES`), ``anatomy`` (see
-        :class:`lrsr.identities.shape.Anatomy`), and what skin, eyes and hair need.
+        :class:`lrsr.identities.shape.Anatomy`), what skin, eyes and hair need, and ``gate``, what
+        was drawn again and why (see :func:`lrsr.identities.gate.record`).
 
     Raises:
         ValueError: The seed is negative.
     """
+    return _draw_person(seed, population)[0]
+
+
+def _draw_person(seed: int, population: Population) -> tuple[dict[str, Any], RestingFace]:
+    """Draw a person and the face at rest; the gate judges neither texture nor expression."""
+    who = _draw_traits(seed, population)
+    anatomy = draw_plausible(
+        lambda attempt: _draw_face(who, attempt),
+        lambda drawn: check_face(drawn[1].skin, drawn[1].eyes, who),
+    )
+    numbers, face = anatomy.drawn
+    skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
+
+    def judge_hair(hair: Mapping[str, Any]) -> Plausibility:
+        grown = build_hair(hair, skin, seed).vertices
+        return check_hair(grown, skin, pupils, {"hair": hair})
+
+    hair = draw_plausible(lambda attempt: _draw_hair(who, attempt), judge_hair)
+    gate = record([anatomy, hair])
+    return {**who, "anatomy": numbers, "hair": hair.drawn, "gate": gate}, face
+
+
+def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
+    """Draw what is never drawn again: sex, age, ancestry, and all colours."""
     rng = stream(seed, "person")
     masculinity = population.masculinity(_sample_masculinity(rng))
     age = population.age(float(rng.beta(1.1, 1.5)))
     shares = population.shares(rng.dirichlet([0.25] * len(RACES)))
-    ancestry = {race: float(share) for race, share in zip(RACES, shares, strict=True)}
-    appearance = sample_appearance(
-        stream(seed, "appearance"), masculinity=masculinity, age=age, ancestry=shares
-    )
-    hair = sample_hair(
-        stream(seed, "hair"), masculinity, age, ancestry, colour=appearance["hair_colour"]
-    )
     return {
         "seed": seed,
         "recipe": RECIPE_VERSION,
@@ -95,44 +119,31 @@ def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[
         "masculinity": masculinity,
         "age": age,
         "age_years": YOUNGEST_YEARS + (OLDEST_YEARS - YOUNGEST_YEARS) * age,
-        "ancestry": ancestry,
-        "anatomy": sample_anatomy(
-            load_basis().names,
-            load_gauge(),
-            stream(seed, "anatomy"),
-            masculinity=masculinity,
-            age=age,
+        "ancestry": {race: float(share) for race, share in zip(RACES, shares, strict=True)},
+        "appearance": sample_appearance(
+            stream(seed, "appearance"), masculinity=masculinity, age=age, ancestry=shares
         ),
-        "appearance": appearance,
-        "hair": hair,
     }
 
 
-def _head_frame(eyes: Eyes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return rotation and origin that put the pupils on the x axis, their middle at the origin."""
-    left, right = eyes.pupils
-    x = (right - left) / np.linalg.norm(right - left)
-    z = np.array([0.0, 0.0, 1.0])
-    z = z - (z @ x) * x
-    z /= np.linalg.norm(z)
-    return np.stack([x, np.cross(z, x), z]), (left + right) / 2
+def _draw_face(who: Mapping[str, Any], attempt: int) -> tuple[Anatomy, RestingFace]:
+    names, masculinity, age = load_basis().names, who["masculinity"], who["age"]
+    rng = stream(who["seed"], "anatomy", attempt)
+    anatomy = sample_anatomy(names, load_gauge(), rng, masculinity=masculinity, age=age)
+    weights = coefficients(
+        names, anatomy, masculinity=masculinity, age=age, ancestry=who["ancestry"]
+    )
+    return anatomy, rest_face(weights)
 
 
-def _in_head_frame(
-    basis: Basis, weights: NDArray[np.float64], acting: NDArray[np.float64]
-) -> tuple[BaseHead, BaseHead, Eyes]:
-    """Shape a coarse head at rest and with an expression, both in the frame of the one at rest.
-
-    The eyes are those at rest: a blink moves lids, not the gaze.
-    """
-    shaped = basis.shape(weights)
-    eyes = find_eyes(basis, shaped)
-    rotation, origin = _head_frame(eyes)
-    rest = BaseHead(*((part - origin) @ rotation.T for part in shaped))
-    worn = rest
-    if acting is not weights:
-        worn = BaseHead(*((part - origin) @ rotation.T for part in basis.shape(acting)))
-    return rest, worn, eyes.moved(rotation, origin)
+def _draw_hair(who: Mapping[str, Any], attempt: int) -> dict[str, Any]:
+    return sample_hair(
+        stream(who["seed"], "hair", attempt),
+        who["masculinity"],
+        who["age"],
+        who["ancestry"],
+        colour=who["appearance"]["hair_colour"],
+    )
 
 
 @lru_cache(maxsize=4)
@@ -229,23 +240,14 @@ def sample_head(
         InputError: There is no such expression.
         ValueError: The seed is negative or the texture smaller than 64.
     """
-    basis, parameters = load_basis(), sample_parameters(seed, population=population)
-    weights = coefficients(
-        basis.names,
-        parameters["anatomy"],
-        masculinity=parameters["masculinity"],
-        age=parameters["age"],
-        ancestry=parameters["ancestry"],
-    )
-    weights = rest_lids(basis, weights, template().lids)
-    acting = find_expression(expression).act(basis, weights)
-    rest, coarse, eyes = _in_head_frame(basis, weights, acting)
-    surface = basis.surface
-    points = clear_lids(surface.matrix @ coarse.skin, eyes, template().lids)
+    worn = find_expression(expression)
+    parameters, face = _draw_person(seed, population)
+    acting, points = act(face, worn)
+    eyes, surface = face.eyes, load_basis().surface
     points = cavity().hollow(points)
     maps = _paint_skin(parameters, texture_size)
-    relief = maps.displacement * cavity().outside
-    skin = displace(points, surface.faces, relief).astype(np.float32)
+    relief = displace(points, surface.faces, maps.displacement * cavity().outside)
+    skin = clear_lids(relief, eyes, template().lids).astype(np.float32)
     parts = (
         Part(
             "skin",
@@ -259,7 +261,7 @@ def sample_head(
         ),
         *_make_eyes(eyes, lid_margins(points, eyes, template().lids), parameters),
         build_hair(parameters["hair"], skin, seed),
-        _make_mouth(rest, acting, parameters),
+        _make_mouth(face.shape, acting, parameters),
     )
     return Head(
         identity_id=f"seed-{seed:08d}",

@@ -1,0 +1,116 @@
+"""Does hair sit on its head? Attached to the skin, off the face, with an edge that is no helmet's.
+
+Distances are to the nearest vertex of the coarse head or, for ribbons, of the shell that carries
+them; vertices lie 2 to 7 mm apart, so distances are too large by up to half of that.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from lrsr.identities.basis import load_basis
+from lrsr.identities.hair_paths import COLUMNS
+from lrsr.identities.hair_shell import ROWS
+from lrsr.identities.hair_strands import RIBBONS
+from lrsr.identities.intersection import coarse_faces
+from lrsr.identities.template import template
+
+Points = NDArray[np.float64]
+
+_EVERY_COLUMN = 8
+_EVERY_RIBBON = 24
+_FACE_TOP_MM = 8.0
+"""Hair may hang to the brows, this far above the pupils."""
+
+
+class HairFit(NamedTuple):
+    """How a head of hair sits.
+
+    Attributes:
+        off_skin_mm: How far from the skin the columns of the shell stay even where they come
+            nearest to it; the column at the 95th percentile.
+        ribbons_off_mm: How far from shell and skin ribbons stay likewise; the 99th percentile.
+        before_eyes: Share of the vertices of the hair that hang before an eye.
+        before_face: Share that hang before nose and mouth.
+        edge_mm: Height of the shell's edge over the forehead, median; 0 without such an edge.
+    """
+
+    off_skin_mm: float
+    ribbons_off_mm: float
+    before_eyes: float
+    before_face: float
+    edge_mm: float
+
+
+def measure_hair(
+    hair: NDArray[np.floating], skin: NDArray[np.floating], pupils: Points, *, stands: bool = True
+) -> HairFit:
+    """Measure how hair sits on a head.
+
+    Args:
+        hair: ``(N, 3)`` vertices of the part "hair", mm.
+        skin: ``(V, 3)`` render vertices of the skin, mm.
+        pupils: ``(2, 3)``, mm.
+        stands: Whether there is any: that of shaved heads is hidden below the skin.
+    """
+    corners = skin[load_basis().surface.landmarks[1:]]
+    skin = skin[_scalp_vertices()]
+    columns = hair[: COLUMNS * ROWS].reshape(COLUMNS, ROWS, 3)
+    sampled = columns[::_EVERY_COLUMN, ::2]
+    off = _distances(skin, sampled)
+    ribbons = hair[COLUMNS * ROWS :].reshape(-1, _ribbon_length(len(hair)), 3)[::_EVERY_RIBBON]
+    bed = np.concatenate([skin, columns[::3, ::3].reshape(-1, 3)])
+    ribbons_off = _distances(bed, ribbons[:, ::4])
+    eyes, face = _before(hair, pupils, corners)
+    forehead = sampled[:, -1] if stands else sampled[:0, -1]
+    return HairFit(
+        off_skin_mm=float(np.percentile(off.min(axis=1), 95)),
+        ribbons_off_mm=float(np.percentile(ribbons_off.min(axis=1), 99)),
+        before_eyes=eyes,
+        before_face=face,
+        edge_mm=_edge_height(forehead, off[: len(forehead), -1]),
+    )
+
+
+def _distances(vertices: NDArray[np.floating], lines: NDArray[np.floating]) -> Points:
+    """Return how far the points of lines ``(n, k, 3)`` are from the nearest vertex: ``(n, k)``."""
+    tree = cKDTree(vertices, balanced_tree=False, compact_nodes=False)  # few queries: build fast
+    return np.asarray(tree.query(lines.reshape(-1, 3))[0].reshape(lines.shape[:2]))
+
+
+def _ribbon_length(n_hair: int) -> int:
+    """Vertices of one ribbon: the layout of ribbons is the same for all heads."""
+    return (n_hair - COLUMNS * ROWS) // RIBBONS
+
+
+def _before(
+    hair: NDArray[np.floating], pupils: Points, corners: NDArray[np.floating]
+) -> tuple[float, float]:
+    """Share of the hair's vertices before the eyes, and before nose and mouth."""
+    x, y, z = hair[:, 0], hair[:, 1], hair[:, 2]
+    front = (z > 0.0) & (y < _FACE_TOP_MM)
+    eyes = np.zeros(len(hair), bool)
+    for pupil in pupils:
+        eyes |= front & (np.abs(x - pupil[0]) < 13.0) & (y > -8.0)
+    half = float(np.abs(corners[:, 0]).max())
+    bottom = float(corners[:, 1].min()) - 15.0
+    face = front & (np.abs(x) < half) & (y > bottom) & (y < -8.0)
+    return float(eyes.mean()), float(face.mean())
+
+
+def _edge_height(tips: NDArray[np.floating], off: Points) -> float:
+    """Median height over the skin of the tips that end on the forehead."""
+    forehead = (np.abs(tips[:, 0]) < 55.0) & (tips[:, 1] > 25.0) & (tips[:, 2] > -60.0)
+    return float(np.median(off[forehead])) if forehead.sum() > 3 else 0.0
+
+
+@lru_cache(maxsize=1)
+def _scalp_vertices() -> NDArray[np.int64]:
+    """Vertices of the coarse head, but for the middle of the face."""
+    vertices = np.unique(coarse_faces())
+    skin = template().skin[vertices]
+    face = (np.abs(skin[:, 0]) < 50.0) & (skin[:, 1] < 10.0) & (skin[:, 2] > -40.0)
+    return np.asarray(vertices[~face])
