@@ -21,9 +21,10 @@ JAW = Canvas(left_mm=-135.0, top_mm=20.0, width_mm=270.0, height_mm=140.0, pixel
 
 _CENTRE = np.array([0.0, -35.0, -75.0])
 _RADIUS_MM = 85.0
-_STRANDS = 5200
+_STRANDS = 9000
 _STRAND_POINTS = 4
-_GROUND_LEVEL = 205  # the blur between hairs is never so dark that they drown in it
+_GROUND_LEVEL = 185  # the shadow between hairs is never so dark that they drown in it
+_HAIR_LEVELS = (110, 150, 185, 210, 230, 245, 252)  # thin ones let skin shine through
 
 
 class Beard(TypedDict):
@@ -63,8 +64,8 @@ def sample_beard(rng: Generator, *, masculinity: float, asian: float, grey: floa
         "density": float(np.clip(np.exp(rng.normal(0.0, 0.3)) * (0.55 + 0.45 * growth), 0.3, 1.6)),
         "length_mm": float(np.clip(long, 1.0, 6.0)),
         "cheek_line_mm": float(rng.uniform(-14.0, 9.0)),
-        "shadow": growth * float(rng.uniform(0.15, 0.9)),
-        "patchiness": float(rng.uniform(0.0, 0.8)),
+        "shadow": growth * float(rng.uniform(0.1, 1.0)),
+        "patchiness": float(rng.uniform(0.15, 0.9)),
         "grey": float(rng.uniform(0.7, 1.5)) if grey > 0 else 1.0,
     }
 
@@ -97,22 +98,23 @@ def beard_zones(position: NDArray[Any], lips: FloatMap) -> dict[str, FloatMap]:
     """
     x = np.abs(position[..., 0])
     y, z = position[..., 1], position[..., 2]
-    bare = (1 - lips) * smoothstep(-104.0, -92.0, z)
+    bare = (1 - lips) ** 2 * smoothstep(-104.0, -92.0, z)  # sparse along the vermilion
     # Over the lip: between nose and vermilion, drooping a little beyond the corners.
     top = -50.5 - 0.010 * x**2
-    moustache = smoothstep(1.5, -3.0, y - top) * smoothstep(-79.0, -74.0, y)
-    moustache = moustache * smoothstep(33.0, 27.0, x) * smoothstep(-20.0, -10.0, z)
+    moustache = smoothstep(2.0, -5.0, y - top) * smoothstep(-80.0, -72.0, y)
+    moustache = moustache * smoothstep(36.0, 22.0, x) * smoothstep(-20.0, -10.0, z)
+    moustache = moustache * (1 - 0.35 * smoothstep(4.0, 1.0, x))  # thinner in the philtrum
     narrowing = x + 0.22 * np.clip(-80.0 - y, 0.0, 45.0)
-    goatee = smoothstep(-79.0, -87.0, y) * smoothstep(33.0, 20.0, narrowing)
-    goatee = goatee * (1 - 0.45 * smoothstep(9.0, 15.0, x) * smoothstep(-93.0, -86.0, y))
-    corner = smoothstep(21.0, 26.0, x) * smoothstep(33.0, 27.0, x) * smoothstep(-68.0, -75.0, y)
-    chin = np.maximum(goatee, corner * smoothstep(-106.0, -92.0, y))
+    goatee = smoothstep(-79.0, -90.0, y) * smoothstep(36.0, 17.0, narrowing)
+    goatee = goatee * (1 - 0.6 * smoothstep(6.0, 14.0, x) * smoothstep(-97.0, -87.0, y))
+    corner = smoothstep(19.0, 27.0, x) * smoothstep(36.0, 27.0, x) * smoothstep(-64.0, -76.0, y)
+    chin = np.maximum(goatee, 0.8 * corner * smoothstep(-108.0, -92.0, y))
     # The jaw: below a line from the sideburn to the corner of the mouth.
     line = -66.0 + 48.0 * smoothstep(38.0, 72.0, x)
-    jaw = smoothstep(3.0, -6.0, y - line) * smoothstep(
-        12.0, 26.0, x - 0.5 * np.clip(y + 84.0, 0.0, 20.0)
+    jaw = smoothstep(6.0, -10.0, y - line) * smoothstep(
+        8.0, 27.0, x - 0.5 * np.clip(y + 84.0, 0.0, 20.0)
     )
-    cheeks = smoothstep(16.0, -8.0, y - line) * smoothstep(26.0, 40.0, x)
+    cheeks = smoothstep(20.0, -10.0, y - line) * smoothstep(24.0, 42.0, x)
     sideburn = smoothstep(66.0, 70.0, x) * smoothstep(-20.0, -60.0, z) * smoothstep(6.0, -6.0, y)
     jaw = np.maximum(jaw, sideburn * smoothstep(-98.0, -88.0, z))
     above_neck = smoothstep(-139.0, -122.0, y + 0.28 * np.minimum(z, 0.0))
@@ -127,7 +129,7 @@ def beard_zones(position: NDArray[Any], lips: FloatMap) -> dict[str, FloatMap]:
 
 _WEIGHTS: dict[BeardKind, dict[str, float]] = {
     "none": {},
-    "stubble": {"moustache": 0.9, "chin": 1.0, "jaw": 0.9, "cheeks": 0.35, "neck": 0.5},
+    "stubble": {"moustache": 0.85, "chin": 0.95, "jaw": 0.8, "cheeks": 0.3, "neck": 0.45},
     "moustache": {"moustache": 1.0},
     "goatee": {"moustache": 1.0, "chin": 1.0},
     "chin": {"chin": 1.0},
@@ -171,7 +173,7 @@ def shadow_mask(zones: dict[str, FloatMap]) -> FloatMap:
         "patchiness": 0.0,
         "grey": 1.0,
     }
-    return beard_mask(stubble, zones)
+    return np.minimum(np.float32(1.2) * beard_mask(stubble, zones), np.float32(1))
 
 
 def beard_strands(beard: Beard, rng: Generator) -> NDArray[np.float64]:
@@ -187,18 +189,18 @@ def beard_strands(beard: Beard, rng: Generator) -> NDArray[np.float64]:
         ``(N, 4, 2)``, mm on ``JAW``.
     """
     count = round(_STRANDS * min(1.4, beard["density"]))
-    root = np.stack([rng.uniform(-125.0, 125.0, count), rng.uniform(-115.0, 15.0, count)], axis=-1)
+    root = np.stack([rng.uniform(-110.0, 110.0, count), rng.uniform(-105.0, 5.0, count)], axis=-1)
     # Most hairs where most beards grow: around the mouth and the chin.
-    middle = count // 3
+    middle = count // (8 if beard["kind"] == "full" else 3)
     root[:middle, 0] = rng.uniform(-38.0, 38.0, middle)
     root[:middle, 1] = rng.uniform(-70.0, -8.0, middle)
     x, y = root[:, 0], root[:, 1]
     lip = smoothstep(-42.0, -34.0, y) * smoothstep(36.0, 24.0, np.abs(x))
     angle = -0.5 * np.pi + lip * np.sign(x) * np.clip(0.35 + np.abs(x) / 22.0, 0, 1.1)
     angle -= (1 - lip) * 0.25 * np.clip(x / 90.0, -1, 1)
-    angle += rng.normal(0.0, 0.28, count)
-    bend = rng.normal(0.0, 0.25, count)
-    length = np.clip(beard["length_mm"], 1.0, 4.5) * rng.uniform(1.0, 2.2, count)
+    angle += rng.normal(0.0, 0.34, count)
+    bend = rng.normal(0.0, 0.3, count)
+    length = np.clip(beard["length_mm"], 1.0, 4.5) * rng.uniform(0.7, 2.0, count)
     steps = (np.arange(_STRAND_POINTS - 1) + 0.5) / (_STRAND_POINTS - 1)
     turn = angle[:, None] + bend[:, None] * steps
     step = (length / (_STRAND_POINTS - 1))[:, None]
@@ -222,23 +224,24 @@ def draw_beard(beard: Beard, rng: Generator) -> NDArray[np.uint8]:
         return sheet
     if beard["kind"] == "stubble":
         return _draw_stubble(beard, rng, sheet)
-    JAW.draw_strands(sheet, beard_strands(beard, rng), (150, 190, 225, 250))
-    ground = cv2.GaussianBlur(sheet, (0, 0), 1.6 / JAW.pixel_mm)
-    body = min(2.0, 0.75 + 0.35 * beard["length_mm"] * beard["density"])
+    JAW.draw_strands(sheet, beard_strands(beard, rng), _HAIR_LEVELS)
+    # What lies between the hairs: their shadow and those below, patchy as locks are.
+    ground = cv2.GaussianBlur(sheet, (0, 0), 0.8 / JAW.pixel_mm)
+    body = min(1.7, 0.6 + 0.3 * beard["length_mm"] * beard["density"])
     ground = cv2.min(cv2.convertScaleAbs(ground, alpha=body), _GROUND_LEVEL)
     return np.asarray(cv2.max(sheet, ground), dtype=np.uint8)
 
 
 def _draw_stubble(beard: Beard, rng: Generator, sheet: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Short bristles: noise of their size, which costs less than thousands of strokes."""
+    """Bristles seen end on: dots of their size, from noise, which costs less than thousands."""
     noise = rng.integers(0, 256, sheet.shape, dtype=np.uint8)
-    noise = cv2.GaussianBlur(noise, (3, 5), 0.7)
-    low = 128 - 30 * beard["density"]
-    return np.asarray(cv2.convertScaleAbs(cv2.subtract(noise, low), alpha=2.6), dtype=np.uint8)
+    noise = cv2.GaussianBlur(noise, (3, 3), 0.75)
+    low = 146 - 26 * beard["density"]
+    return np.asarray(cv2.convertScaleAbs(cv2.subtract(noise, low), alpha=3.6), dtype=np.uint8)
 
 
 def feather(opacity: FloatMap, mask: FloatMap) -> FloatMap:
-    """Let the mask's edge run along the hairs: where it is soft, only the strongest reach.
+    """Let a beard thin out hair by hair: where the mask is soft, only the strongest grow.
 
     Args:
         opacity: Of the hairs, [0, 1].
@@ -247,7 +250,8 @@ def feather(opacity: FloatMap, mask: FloatMap) -> FloatMap:
     Returns:
         Same shape, the opacity of the hairs that grow.
     """
-    return np.asarray(opacity * np.clip(2.2 * mask - 1.2 * (1 - opacity), 0, 1), dtype=np.float32)
+    grown = np.clip(1.7 * mask - 0.7 * (1 - opacity), 0, 1)
+    return np.asarray(opacity * grown * np.sqrt(mask), dtype=np.float32)
 
 
 def thin_out(beard: Beard, rng: Generator, shape: tuple[int, int]) -> FloatMap:
@@ -261,7 +265,11 @@ def thin_out(beard: Beard, rng: Generator, shape: tuple[int, int]) -> FloatMap:
     Returns:
         ``shape`` float32, a factor, [0, 1].
     """
-    grid = rng.standard_normal((20, 38), dtype=np.float32)
-    noise = cv2.resize(grid, shape[::-1], interpolation=cv2.INTER_CUBIC)
-    thinner = np.float32(0.35 * beard["patchiness"]) * (noise + np.float32(0.3))
-    return np.asarray(np.clip(1 - thinner, 0, 1), dtype=np.float32)
+    half = shape[1] // 2, shape[0] // 2  # finer than needed already, and cheaper
+    noise = np.zeros(half[::-1], dtype=np.float32)
+    for cells, amount in (((38, 20), 0.30), ((110, 58), 0.22)):
+        grid = rng.standard_normal(cells[::-1], dtype=np.float32)
+        noise += np.float32(amount) * cv2.resize(grid, half, interpolation=cv2.INTER_CUBIC)
+    thinner = np.float32(beard["patchiness"]) * (noise + np.float32(0.12))
+    thick = cv2.resize(np.clip(1 - thinner, 0, 1), shape[::-1], interpolation=cv2.INTER_LINEAR)
+    return np.asarray(thick, dtype=np.float32)

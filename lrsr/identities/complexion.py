@@ -6,16 +6,21 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-MELANIN_LIMITS = (0.009, 0.32)
-BLOOD_LIMITS = (0.013, 0.05)
+MELANIN_LIMITS = (0.008, 0.32)
+BLOOD_LIMITS = (0.010, 0.055)
 """Volume fractions that people's means are kept within."""
 
 _MELANIN_MEANS = (0.22, 0.045, 0.022)
 _BLOOD_MEAN = 0.022
+_MOST_FLUSH = 0.6  # a cheek of more is a clown's
 
 
 class Complexion(TypedDict):
-    """Pigments of the skin: means as volume fractions, the rest as changes of their logarithms."""
+    """Pigments of the skin: means as volume fractions, the rest as changes of their logarithms.
+
+    ``carotene`` is the optical depth of yellow pigment for blue light: what makes an undertone
+    golden or olive.
+    """
 
     melanin: float
     blood: float
@@ -30,6 +35,7 @@ class Complexion(TypedDict):
     dark_circles: float
     tan: float
     lip_fading: float
+    carotene: float
 
 
 def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Complexion:
@@ -37,28 +43,36 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
 
     Args:
         rng: Source of randomness.
-        age: 0 (25 years) to 1 (old): darker circles under the eyes, uneven pigment, paler lips.
+        age: 0 (25 years) to 1 (old): darker circles under the eyes, uneven pigment, paler lips,
+            less blood.
         ancestry: ``(3,)`` shares of African, Asian and European ancestry, summing to 1.
 
     Returns:
         Plain numbers.
     """
-    mean = np.asarray(ancestry, dtype=np.float64) @ np.log(_MELANIN_MEANS)
-    melanin = np.exp(mean + rng.normal(0.0, 0.35))
-    blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.35))
-    flush = float(np.exp(rng.normal(0.0, 0.45)))
+    shares = np.asarray(ancestry, dtype=np.float64)
+    mean = shares @ np.log(_MELANIN_MEANS)
+    melanin = np.exp(mean + rng.normal(0.0, 0.42))
+    blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.42))
+    flush = float(np.exp(rng.normal(0.0, 0.6)))
     return {
         "melanin": float(np.clip(melanin, *MELANIN_LIMITS)),
         "blood": float(np.clip(blood, *BLOOD_LIMITS)),
-        "melanin_mottle": float(rng.uniform(0.5, 1.5) * (1 + 0.5 * age)),
+        "melanin_mottle": float(rng.uniform(0.5, 1.4) * (1 + 0.8 * age)),
         "blood_mottle": float(rng.uniform(0.5, 1.7)),
-        "cheeks": float(0.42 * flush * rng.uniform(0.3, 1.5)),
-        "nose": float(0.27 * flush * rng.uniform(0.3, 1.4)),
+        "cheeks": _soften(0.36 * flush * rng.uniform(0.3, 1.5)),
+        "nose": _soften(0.27 * flush * rng.uniform(0.3, 1.4)),
         "ears": float(rng.uniform(0.15, 0.6)),
         "lids": float(rng.uniform(0.1, 0.5)),
         "chin": float(rng.uniform(0.0, 0.35)),
         "forehead": float(rng.uniform(-0.25, 0.1)),
-        "dark_circles": float(np.clip(rng.normal(0.15 + 0.2 * age, 0.17), 0.0, 0.55)),
+        "dark_circles": float(np.clip(rng.normal(0.06 + 0.32 * age, 0.16), 0.0, 0.6)),
         "tan": float(rng.uniform(-0.1, 0.25)),
         "lip_fading": float(age * rng.uniform(0.15, 0.6)),
+        "carotene": float(np.clip(rng.normal(0.04 + 0.06 * shares[1], 0.09), -0.10, 0.24)),
     }
+
+
+def _soften(flush: float) -> float:
+    """Let large values approach ``_MOST_FLUSH``."""
+    return float(_MOST_FLUSH * np.tanh(flush / _MOST_FLUSH))

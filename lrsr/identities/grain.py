@@ -84,11 +84,11 @@ def sample_grain(rng: Generator, *, masculinity: float, age: float) -> Grain:
     """
     coarse = rng.normal(0.30 + 0.12 * masculinity + 0.15 * age, 0.22)
     return {
-        "pore_depth_mm": float(np.clip(0.11 * np.exp(rng.normal(0.0, 0.4)), 0.04, 0.24)),
+        "pore_depth_mm": float(np.clip(0.13 * np.exp(rng.normal(0.0, 0.4)), 0.05, 0.26)),
         "pore_coarseness": float(np.clip(coarse, 0.0, 1.0)),
         "pore_darkness": float(np.clip(0.30 * np.exp(rng.normal(0.0, 0.5)), 0.08, 0.8)),
-        "crease_mm": float((0.007 + 0.022 * age) * np.exp(rng.normal(0.0, 0.35))),
-        "bump_mm": float(0.017 * np.exp(rng.normal(0.2 * age, 0.4))),
+        "crease_mm": float((0.006 + 0.032 * age) * np.exp(rng.normal(0.0, 0.35))),
+        "bump_mm": float(0.015 * np.exp(rng.normal(0.7 * age, 0.4))),
         "lip_furrow_mm": float(rng.uniform(0.03, 0.12) + 0.05 * age),
         "place_seed": int(rng.integers(1 << 31)),
     }
@@ -144,7 +144,9 @@ class GrainPainter:
         self._pores = layout.enlarge(pores) * skin
         self._creases = layout.enlarge(creases) * skin
         self._bumps = layout.enlarge(1 - np.float32(0.6) * around_eyes) * skin
-        self._lip_box = largest_box(layout.lips > 0.02)
+        outside = np.zeros_like(layout.lips)  # the mouth's inside is an island of its own
+        outside[layout.face] = layout.lips[layout.face]
+        self._lip_box = largest_box(outside > 0.02)
         x, y = (layout.position[self._lip_box][..., axis] for axis in (0, 1))
         self._furrow_place = (x * (1 + np.float32(0.012) * np.abs(y + 73)) + 40) / np.float32(0.55)
         inner = smoothstep(26.0, 20.0, np.abs(x)).astype(np.float32)

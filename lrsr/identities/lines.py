@@ -51,10 +51,10 @@ def sample_lines(rng: Generator, *, age: float) -> Lines:
     Returns:
         Plain numbers.
     """
-    worn = max(0.0, age - 0.06) ** 1.1
+    worn = 1.25 * max(0.0, age - 0.08) ** 1.1
 
     def depth(share: float) -> float:
-        return float(min(1.3, share * worn * np.exp(rng.normal(0.0, 0.4))))
+        return float(min(1.4, share * worn * np.exp(rng.normal(0.0, 0.4))))
 
     return {
         "forehead": depth(1.0),
@@ -172,7 +172,7 @@ def _draw_forehead(lines: Lines, rng: Generator, cuts: Engraving) -> None:
         for begin, end in pairwise(ends):
             x = np.linspace(begin - 2, end + 2, 6)
             y = height + sag * np.cos(x / 18.0) - 0.002 * x**2 + rng.normal(0.0, 0.7, 6)
-            depth = 0.5 * lines["forehead"] * rng.uniform(0.5, 1.1)
+            depth = 0.6 * lines["forehead"] * rng.uniform(0.5, 1.1)
             path = np.stack([x, y + rng.normal(0.0, 0.8)], axis=-1)
             cuts.carve(path, depth, rng.uniform(0.55, 0.9))
 
@@ -189,16 +189,17 @@ def _draw_side(lines: Lines, rng: Generator, cuts: Engraving, side: float) -> No
         start = (begin, -2.0 + 4.0 * slope)
         middle = (begin + length / 2, start[1] + 0.40 * length * slope + 0.6)
         end = (begin + length, start[1] + length * slope)
-        carve([start, middle, end], 0.34 * lines["crows_feet"], rng.uniform(0.45, 0.65), 0.4)
-    under = 0.30 * lines["under_eye"]
+        carve([start, middle, end], 0.42 * lines["crows_feet"], rng.uniform(0.45, 0.65), 0.4)
+    under = 0.36 * lines["under_eye"]
     carve([(17.0, -8.0), (24.0, -12.5), (33.0, -13.5), (43.0, -8.5)], under, 0.7, 0.6)
     carve([(19.0, -9.0), (25.0, -10.0), (33.0, -10.5), (40.0, -8.0)], 0.6 * under, 0.45, 0.5)
     carve([(17.0, -10.0), (23.0, -17.5), (31.0, -21.5), (39.0, -21.0)], 0.8 * under, 1.1, 0.7)
     crease = [(19.0, -0.5), (24.0, 5.0), (32.0, 7.3), (40.0, 5.5), (47.0, 0.0)]
     carve(crease, lines["lid_crease"], 0.7, 0.3)
     fold = [(19.5, -42.0), (25.0, -51.0), (31.0, -63.0), (34.0, -76.0)]
-    carve(fold, 0.85 * lines["nasolabial"], 1.3, 0.8)
-    carve([(29.0, -78.0), (30.5, -86.0), (30.5, -96.0)], 0.6 * lines["marionette"], 1.0, 0.8)
+    carve(fold, 0.65 * lines["nasolabial"], 1.1, 0.8)
+    carve(fold, 0.45 * lines["nasolabial"], 2.6, 0.8)
+    carve([(29.0, -78.0), (30.5, -86.0), (30.5, -96.0)], 0.7 * lines["marionette"], 1.2, 0.8)
     for _ in range(5):
         x, y, length = rng.uniform(38.0, 54.0), rng.uniform(-70.0, -35.0), rng.uniform(10.0, 22.0)
         path = [(x, y), (x + 1.5, y - length / 2), (x + rng.normal(0, 3), y - length)]

@@ -40,9 +40,9 @@ def sample_marks(rng: Generator, *, melanin: float, age: float) -> Marks:
     return {
         "moles": int(rng.poisson(2.2)),
         "freckles": round(float(np.exp(rng.uniform(np.log(60), np.log(500))))) if freckled else 0,
-        "freckle_depth": float(rng.uniform(0.25, 0.75)),
+        "freckle_depth": float(rng.uniform(0.3, 1.0)),
         "freckle_spread": float(rng.uniform(0.7, 1.5)),
-        "age_spots": int(rng.poisson(max(0.0, age - 0.4) * 22.0)) if melanin < 0.1 else 0,
+        "age_spots": int(rng.poisson(max(0.0, age - 0.35) * 38.0)) if melanin < 0.1 else 0,
         "places_seed": int(rng.integers(1 << 31)),
         "capillaries": int(rng.poisson(45.0 * age)) if rng.random() < 0.45 * age + 0.05 else 0,
     }
@@ -63,8 +63,8 @@ def draw_marks(marks: Marks, canvas: Canvas) -> NDArray[np.uint8]:
     _draw_freckles(marks, rng, canvas, sheet)
     count = marks["age_spots"]
     places = np.stack([rng.normal(0, 45, count), rng.uniform(-60, 75, count)], axis=-1)
-    levels = rng.integers(25, 65, count)
-    canvas.draw_dots(sheet, places, rng.uniform(1.2, 3.6, count), levels)
+    levels = rng.integers(22, 75, count)
+    canvas.draw_dots(sheet, places, 0.9 + rng.gamma(2.2, 0.75, count), levels)
     sheet = cv2.GaussianBlur(sheet, (0, 0), 0.45 / canvas.pixel_mm)
     count = marks["moles"]
     places = np.stack([rng.normal(0, 34, count), rng.uniform(-100, 70, count)], axis=-1)

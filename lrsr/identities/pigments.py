@@ -18,13 +18,14 @@ from lrsr.identities.make_up import Lips
 from lrsr.identities.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_capillaries, draw_marks
 from lrsr.identities.skin_tone import tone_map
 
-CAVITY_PER_MM = (0.35, 1.0)
+CAVITY_PER_MM = (0.7, 1.3)
 """A groove of 1 mm looks as if the logarithms of melanin and blood were larger by this: light is
 reflected to and fro in it, and each time gets darker and redder. Set by eye."""
 
+_EVEN_MELANIN = 0.03
 _NOISE_SHAPE = (256, 320)
 _AXIS_Z_MM = -80.0
-_OCTAVES = ((7, 0.03, 0.09), (16, 0.04, 0.08), (40, 0.04, 0.08), (100, 0.035, 0.07))
+_OCTAVES = ((7, 0.030, 0.070), (16, 0.026, 0.055), (40, 0.024, 0.055), (100, 0.032, 0.070))
 """Cells around the head and amplitudes in the logarithms of melanin and blood."""
 
 
@@ -37,7 +38,7 @@ class PigmentPainter:
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
-        self._regions = regions.blood_regions(layout.coarse)
+        self._regions = regions.blood_regions(layout.coarse) | {"cheeks": _cheeks(layout.coarse)}
         self._noise_pixels = _noise_pixels(layout.coarse)
         self._lips = Patches(layout.lips)
         waterline = np.zeros(layout.shape, dtype=np.float32)
@@ -70,37 +71,40 @@ class PigmentPainter:
             ``(H, W, 3)`` float32, linear sRGB reflectance.
         """
         noise = self._mottle(rng)
-        coarse = self._tint_regions(noise, skin)
+        contrast = melanin_contrast(skin["melanin"])
+        coarse = self._tint_regions(noise, skin, contrast)
         melanin, blood = (self._layout.enlarge(part) for part in coarse)
-        cv2.scaleAdd(grain.bumps, 0.045 * skin["melanin_mottle"], melanin, melanin)
-        cv2.scaleAdd(grain.specks, 0.075 * skin["blood_mottle"], blood, blood)
-        cv2.scaleAdd(grain.pores, 0.9, melanin, melanin)
+        cv2.scaleAdd(grain.bumps, 0.035 * contrast * skin["melanin_mottle"], melanin, melanin)
+        cv2.scaleAdd(grain.specks, 0.06 * skin["blood_mottle"], blood, blood)
+        cv2.scaleAdd(grain.pores, 0.9 * contrast, melanin, melanin)
         cv2.scaleAdd(grain.pores, 0.7, blood, blood)
         self._lips.add(melanin, lips["melanin"])
         self._lips.add(blood, lips["blood"] * (1 - skin["lip_fading"]))
         self._waterline.add(blood, 0.6)
-        face = self._layout.face
-        melanin[face] += np.float32(-CAVITY_PER_MM[0]) * groove
+        face, of_marks = self._layout.face, LOG_MELANIN_PER_LEVEL * contrast**0.5
+        melanin[face] += np.float32(-CAVITY_PER_MM[0] * contrast) * groove
         blood[face] += np.float32(-CAVITY_PER_MM[1]) * groove
-        self._mark(melanin[face], draw_marks(marks, regions.FACE), LOG_MELANIN_PER_LEVEL)
+        self._mark(melanin[face], draw_marks(marks, regions.FACE), of_marks)
         if marks["capillaries"]:
             self._mark(blood[face], draw_capillaries(marks, regions.FACE), 1.2 / 255)
-        colour = tone_map(melanin, blood)
+        colour = tone_map(melanin, blood, carotene=skin["carotene"])
         self._contact.shade(colour)
         return colour
 
-    def _tint_regions(self, noise: FloatMap, skin: Complexion) -> tuple[FloatMap, FloatMap]:
+    def _tint_regions(
+        self, noise: FloatMap, skin: Complexion, contrast: float
+    ) -> tuple[FloatMap, FloatMap]:
         """Add the person's means and what each region has more of."""
-        melanin = np.float32(skin["melanin_mottle"]) * noise[..., 0]
+        melanin = np.float32(skin["melanin_mottle"] * contrast) * noise[..., 0]
         blood = np.float32(skin["blood_mottle"]) * noise[..., 1]
         circles = np.float32(skin["dark_circles"]) * self._regions["circles"]
-        melanin += circles
-        melanin += np.float32(skin["tan"]) * self._regions["forehead"]
+        melanin += np.float32(contrast) * circles
+        melanin += np.float32(skin["tan"] * contrast) * self._regions["forehead"]
         melanin += np.float32(np.log(skin["melanin"]))
         flush = np.zeros_like(blood)
         for name in ("cheeks", "nose", "ears", "lids", "chin", "forehead"):
             flush += np.float32(skin[name]) * self._regions[name]
-        flush *= 1 + np.float32(2.0) * noise[..., 1]  # blood's own mottling breaks a flush up
+        flush *= 1 + np.float32(3.0) * noise[..., 1]  # blood's own mottling breaks a flush up
         blood += flush
         blood += np.float32(0.9) * circles
         blood += np.float32(np.log(skin["blood"]))
@@ -124,6 +128,32 @@ class PigmentPainter:
     def _mark(self, part: FloatMap, sheet: NDArray[np.uint8], per_level: float) -> None:
         levels = regions.FACE.sample(sheet, self._layout.face_pixels)
         part += np.float32(per_level) * levels * self._layout.bare
+
+
+def melanin_contrast(melanin: float) -> float:
+    """How much of a change of the logarithm of melanin is let show; 1 in fair skin.
+
+    The epidermis darkens light by exp(-melanin), so the same relative change of melanin would show
+    ten times as strongly in dark skin as in fair; in photographs both are about equally even.
+
+    Args:
+        melanin: Mean volume fraction, > 0.
+
+    Returns:
+        (0, 1].
+
+    Example:
+        >>> round(melanin_contrast(0.015), 2), round(melanin_contrast(0.24), 2)
+        (1.0, 0.23)
+    """
+    return float(min(1.0, (_EVEN_MELANIN / melanin) ** 0.7))
+
+
+def _cheeks(position: FloatMap) -> FloatMap:
+    """A flush without an outline: broad, stronger on the apples, fading towards jaw and temples."""
+    broad = regions.blob(position, (40.0, -34.0, -10.0), (21.0, 19.0, 45.0))
+    apples = regions.blob(position, (31.0, -31.0, 0.0), (11.0, 10.0, 30.0))
+    return np.asarray(np.float32(0.6) * broad + np.float32(0.35) * apples, dtype=np.float32)
 
 
 def _noise_pixels(position: FloatMap) -> FloatMap:

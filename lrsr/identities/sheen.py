@@ -9,7 +9,7 @@ from numpy.random import Generator
 from lrsr.identities.canvas import FloatMap
 from lrsr.identities.regions import blob
 
-ROUGHNESS_LIMITS = (0.28, 0.75)
+ROUGHNESS_LIMITS = (0.26, 0.75)
 """Square roots of the slopes α: 0.08 is wet, 0.56 powdery."""
 
 
@@ -38,10 +38,10 @@ def sample_sheen(rng: Generator, *, age: float) -> Sheen:
     """
     oiliness = rng.normal(0.0, 1.0)
     return {
-        "roughness": float(np.clip(0.515 - 0.045 * oiliness + 0.04 * age, 0.38, 0.65)),
-        "t_zone": float(-np.clip(0.07 + 0.035 * oiliness + rng.normal(0.0, 0.02), 0.0, 0.16)),
+        "roughness": float(np.clip(0.50 - 0.045 * oiliness + 0.03 * age, 0.38, 0.65)),
+        "t_zone": float(-np.clip(0.10 + 0.035 * oiliness + rng.normal(0.0, 0.02), 0.02, 0.17)),
         "lips": float(-np.clip(rng.normal(0.13 - 0.05 * age, 0.05), 0.0, 0.22)),
-        "patchiness": float(rng.uniform(0.01, 0.035)),
+        "patchiness": float(rng.uniform(0.015, 0.04)),
     }
 
 
@@ -57,9 +57,15 @@ class SheenPainter:
         nose = blob(position, (4.0, -36.0, 20.0), (9.0, 18.0, 18.0))
         forehead = blob(position, (0.0, 46.0, 10.0), (30.0, 18.0, 40.0))
         chin = blob(position, (0.0, -102.0, 6.0), (13.0, 9.0, 20.0))
-        cheekbones = blob(position, (42.0, -20.0, -10.0), (11.0, 8.0, 25.0))
+        cheekbones = blob(position, (40.0, -21.0, -8.0), (13.0, 9.0, 25.0))
         lids = blob(position, (31.0, 4.0, 0.0), (12.0, 5.0, 20.0))
-        oily = nose + forehead + np.float32(0.6) * (chin + cheekbones + lids)
+        oily = (
+            nose
+            + forehead
+            + np.float32(0.8) * cheekbones
+            + np.float32(0.4) * chin
+            + np.float32(0.6) * lids
+        )
         self._t_zone = np.minimum(oily, np.float32(1)) * (1 - lips)
         self._matte = np.float32(0.04) * blob(position, (55.0, -55.0, -30.0), (18.0, 25.0, 40.0))
         self._lips = lips

@@ -22,7 +22,7 @@ BLOOD_RANGE = (0.002, 0.4)
 """Volume fraction of whole blood in the dermis that the table covers."""
 
 TABLE_SIZE = 48
-CHROMA = (0.82, 0.68, 0.48, 0.36)
+CHROMA = (0.82, 0.70, 0.55, 0.46)
 """Share of the model's saturation that is kept at these melanin fractions (constant beyond): bare,
 it is too orange, the more so the darker the skin. Measured skin is most colourful at L* of about 55
 (C* 22 to 24) and less so both above and below: C* 17 to 20 at L* 38 to 42, 14 to 16 at L* 30, hue
@@ -198,21 +198,42 @@ def tone_table() -> NDArray[np.float32]:
     return table
 
 
+def carotene_filter(depth: float) -> NDArray[np.float32]:
+    """What yellow pigment (carotene, bilirubin) leaves of each channel's light.
+
+    Both absorb between 400 and 500 nm: blue, hardly green, no red (Alaluf et al. 2002, "Dietary
+    carotenoids contribute to normal human skin color and UV photosensitivity").
+
+    Args:
+        depth: Optical depth in the blue channel; below 0 there is less than usual.
+
+    Returns:
+        ``(3,)`` float32, factors.
+
+    Example:
+        >>> carotene_filter(0.0)
+        array([1., 1., 1.], dtype=float32)
+    """
+    return np.exp(-depth * np.array([0.0, 0.18, 1.0])).astype(np.float32)
+
+
 def tone_map(
-    log_melanin: NDArray[np.float32], log_blood: NDArray[np.float32]
+    log_melanin: NDArray[np.float32], log_blood: NDArray[np.float32], *, carotene: float = 0.0
 ) -> NDArray[np.float32]:
     """Look the colour of every texel up, bilinear in the logarithms (within 1 % of :func:`tone`).
 
     Args:
         log_melanin: ``(H, W)``, natural logarithm of the fraction; clamped to ``MELANIN_RANGE``.
         log_blood: ``(H, W)``, natural logarithm of the fraction; clamped to ``BLOOD_RANGE``.
+        carotene: Optical depth of yellow pigment; see :func:`carotene_filter`.
 
     Returns:
         ``(H, W, 3)`` float32, linear sRGB reflectance.
     """
+    table = tone_table() * carotene_filter(carotene)
     row = _table_position(log_melanin, MELANIN_RANGE)
     column = _table_position(log_blood, BLOOD_RANGE)
-    colour = cv2.remap(tone_table(), column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    colour = cv2.remap(table, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(colour, dtype=np.float32)
 
 

@@ -47,6 +47,7 @@ def _plain(**changes: dict[str, Any]) -> Any:
             "melanin_mottle": 0.2,
             "blood_mottle": 0.2,
             "tan": 0.0,
+            "carotene": 0.0,
             "forehead": 0.0,
         },
     }

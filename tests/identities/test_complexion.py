@@ -20,8 +20,8 @@ def test_melanins_median_follows_ancestry(
 ) -> None:
     rng = np.random.default_rng(0)
     drawn = [sample_complexion(rng, age=0.3, ancestry=ancestry)["melanin"] for _ in range(800)]
-    # the median of 800 draws of spread 0.35 in the logarithm: 4 standard errors are 6 %
-    assert np.median(drawn) == pytest.approx(melanin, rel=0.065)
+    # the median of 800 draws of spread 0.42 in the logarithm: 4 standard errors are 7.4 %
+    assert np.median(drawn) == pytest.approx(melanin, rel=0.075)
     assert min(drawn) >= MELANIN_LIMITS[0]
     assert max(drawn) <= MELANIN_LIMITS[1]
 
@@ -46,6 +46,13 @@ def test_circles_darken_with_age() -> None:
         for age in (0.0, 1.0)
     )
     assert old > young + 0.1
+
+
+def test_no_cheek_is_a_clowns() -> None:
+    rng = np.random.default_rng(0)
+    drawn = [sample_complexion(rng, age=0.3, ancestry=(0, 0, 1)) for _ in range(500)]
+    assert max(person["cheeks"] for person in drawn) < 0.6
+    assert np.std([person["cheeks"] for person in drawn]) > 0.1
 
 
 def test_everything_survives_json() -> None:

@@ -101,6 +101,15 @@ def test_table_clamps_what_lies_beyond_it() -> None:
     )
 
 
+def test_carotene_takes_blue_and_leaves_red() -> None:
+    melanin, blood = (np.full((1, 1), np.log(0.022), dtype=np.float32) for _ in range(2))
+    plain, golden = (skin_tone.tone_map(melanin, blood, carotene=depth) for depth in (0.0, 0.3))
+    ratio = (golden / plain)[0, 0]
+    assert ratio[0] == 1
+    assert ratio[2] == pytest.approx(np.exp(-0.3), rel=1e-5)
+    assert ratio[2] < ratio[1] < 1
+
+
 def test_table_cannot_be_overwritten() -> None:
     with pytest.raises(ValueError, match="read-only"):
         skin_tone.tone_table()[0, 0] = 0
