@@ -20,7 +20,7 @@ from lrsr.identities.hair_scalp import Scalp, hairline_polar, scalp_mask
 from lrsr.identities.hair_shell import ROWS, lay_shell, shell_rows
 from lrsr.identities.hair_strands import lay_strands, strand_faces, strand_uv
 from lrsr.identities.hair_styles import STYLES, style_parameters
-from lrsr.identities.hair_texture import TEXTURE_SHAPE, hair_texture, mean_colour
+from lrsr.identities.hair_texture import SHELL_COLUMNS, TEXTURE_SHAPE, hair_texture, mean_colour
 from lrsr.identities.head import Part
 
 __all__ = [
@@ -85,6 +85,7 @@ def hair_faces() -> NDArray[np.int32]:
 def hair_uv() -> NDArray[np.float32]:
     """Return the texture coordinates of every head of hair, ``(V, 2)``, v = 0 root; read-only."""
     u, v = np.meshgrid(np.linspace(0.0, 1.0, COLUMNS), shell_rows(), indexing="ij")
+    u = u * ((SHELL_COLUMNS - 1.0) / TEXTURE_SHAPE[1])
     shell = np.stack([u, v], axis=-1).reshape(-1, 2).astype(np.float32)
     uv = np.concatenate([shell, strand_uv()])
     uv.setflags(write=False)

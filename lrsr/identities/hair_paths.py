@@ -24,6 +24,8 @@ _HANG_POLAR_DEG = 80.0
 _PARTING_POLAR_DEG = 56.0
 _COLUMN_MM = 2.1
 _FRINGE_ABOVE_MM = 22.0
+_RETREAT_MM = 4.0
+"""The shell ends this far before the tips: single strands carry the edge."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +75,9 @@ def plan_paths(parameters: Mapping[str, Any], chart: Floats, rng: np.random.Gene
         root = flatten(azimuth, np.minimum(rim, leave_polar - 1.0))
     over_skull = np.maximum(np.linalg.norm(leave - root, axis=1) * MM_PER_DEG, 1.0)
     tuft = group_tufts(parameters["clump_scale_mm"], rng)
-    ragged = 0.25 * rng.random(COLUMNS) + smooth_noise(rng, (COLUMNS,), (6.0,), spread=0.35)
-    ragged += np.where(drop > 8.0, 1.0, 0.3) * np.abs(tuft)
+    ragged = smooth_noise(rng, (COLUMNS,), (5.0,), spread=0.3) + 0.25 * np.abs(tuft)
     framing = np.clip(1.0 - np.abs(np.abs(azimuth) - first) / 40.0, 0.0, 1.0) * (drop > 60.0)
-    length = over_skull + drop - cut - parameters["ragged_mm"] * ragged
+    length = over_skull + drop - cut - _RETREAT_MM - parameters["ragged_mm"] * ragged
     length -= parameters["layer_mm"] * framing**1.5
     closed = parameters["front_left_deg"] == 0.0
     return Paths(

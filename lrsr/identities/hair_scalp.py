@@ -110,7 +110,7 @@ class Scalp:
         line = hairline_polar(azimuth, parameters)[self._column]
         stroke = _strokes(np.random.default_rng([seed, 5])).ravel()[self._stroke]
         inside_mm = (line - self._polar) * MM_PER_DEG
-        cover = smoothstep((inside_mm + 6.0 * (stroke - 0.35)) / 7.0 + 0.5)
+        cover = smoothstep((inside_mm + 6.0 * (stroke - 0.35)) / 9.0 + 0.5)
         bald = parameters["bald_deg"]
         if bald > 0:
             rim_mm = (self._polar - bald_polar(azimuth, bald)[self._column]) * MM_PER_DEG
@@ -146,9 +146,9 @@ def bald_polar(azimuth: Floats, bald_deg: float) -> Floats:
 
 def _strokes(rng: np.random.Generator) -> Floats:
     """Streaks along the strands, 0..1, ``(181, _FINE)``: one row a degree of polar angle."""
-    knots = _blur(rng.random((24, _FINE)), 3)
+    knots = _blur(rng.random((36, _FINE)), 3) + 0.35 * rng.random((36, _FINE))
     knots = (knots - knots.min()) / np.ptp(knots)
-    place = np.linspace(0.0, 22.999, 181)
+    place = np.linspace(0.0, 34.999, 181)
     first, share = place.astype(np.intp), (place % 1.0)[:, None]
     return np.asarray((1.0 - share) * knots[first] + share * knots[first + 1])
 

@@ -24,9 +24,12 @@ from lrsr.identities.hair_thickness import Course, lay_thickness
 Floats = NDArray[np.float64]
 
 ROWS = 40
-BEYOND_MM = (3.0, 6.5, 10.0)
+BEYOND_MM = (4.0, 8.0, 12.0)
 """Extra rows past a free edge, for strands that reach over it; not part of the shell's mesh. At a
-hairline they are half as long."""
+hairline they are a fifth shorter."""
+
+STUBBLE_DEPTH_MM = 2.0
+"""How far below the skin the shell of a clipped head lies: only its ribbons show."""
 
 _MOST_HANG_MM = 32.0
 _HANG_AFTER_MM = 70.0
@@ -92,6 +95,8 @@ def lay_shell(
     height = height + lift
     if parameters["sunk_mm"] > 0:
         height = np.full_like(height, -parameters["sunk_mm"])
+    elif parameters["stubble_mm"] > 0:
+        height = np.full_like(height, -STUBBLE_DEPTH_MM)
     points += outward * height[..., None]
     points[..., 0] += outward[..., 2] * aside
     points[..., 2] -= outward[..., 0] * aside
@@ -112,7 +117,7 @@ def _make_bed(
 def _run(parameters: Mapping[str, Any], paths: Paths) -> Course:
     """Place the rows on the columns."""
     length = paths.length_mm[:, None]
-    beyond = (0.5 + 0.5 * paths.free[:, None]) * np.asarray(BEYOND_MM)
+    beyond = (0.8 + 0.2 * paths.free[:, None]) * np.asarray(BEYOND_MM)
     along = np.concatenate([shell_rows() * length, length + beyond], axis=1)
     over_skull = paths.over_skull_mm[:, None]
     flat = follow_paths(paths, along / over_skull, parameters["bow"])
@@ -136,14 +141,15 @@ def _style(
     share = np.clip(course.along / paths.length_mm[:, None], 0.0, 1.0)
     free = paths.free[:, None]
     loose = free * smoothstep((share - 0.35) / 0.65)
-    lift = parameters["clump_mm"] * clump * fade + 0.5 * swing * np.cos(phase)
+    smooth = 0.5 + 0.5 * min(parameters["curl_mm"] / 3.0, 1.0)
+    lift = smooth * parameters["clump_mm"] * clump * fade + 0.5 * swing * np.cos(phase)
     lift = lift + parameters["flare_mm"] * loose**3
     bend = smooth_noise(rng, (COLUMNS,), (12.0,))[:, None]
     bend = bend * np.sin(np.pi * np.clip(share - 0.3, 0.0, 0.7) / 0.7)
     front = smoothstep((58.0 - np.abs(paths.azimuth)) / 20.0)[:, None]
     aside = swing * np.sin(phase) + parameters["sway_mm"] * bend * free
     aside = aside + parameters["sweep_mm"] * front * share**2
-    aside = aside - 0.35 * parameters["clump_scale_mm"] * paths.tuft[:, None] * loose
+    aside = aside - 0.12 * parameters["clump_scale_mm"] * paths.tuft[:, None] * loose
     return lift, aside
 
 

@@ -14,17 +14,21 @@ from scipy import sparse
 
 from lrsr.identities.hair_paths import COLUMNS
 from lrsr.identities.hair_shell import BEYOND_MM, ROWS, Shell
+from lrsr.identities.hair_texture import RIBBON_COLUMNS, SHELL_COLUMNS, TEXTURE_SHAPE
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
-RIBBONS = 3600
-POINTS = 8
+RIBBONS = 10800
+POINTS = 6
 CURLY_FROM_MM = 2.0
-"""Curls of at least this radius take short ribbons of several turns, smaller ones long strands."""
+"""Curls of at least this radius take short ribbons of a turn each, smaller ones long strands."""
 
-_EDGE_SHARE = 0.45
 _CURLY_REACH = 0.4
+_KINDS = 20
+_EDGES = 9
+_FINE = 2
+_FLYAWAY = 1
 
 
 class Layout(NamedTuple):
@@ -33,46 +37,60 @@ class Layout(NamedTuple):
     Attributes:
         column: ``(RIBBONS, POINTS)``, 0..COLUMNS - 1.
         row: ``(RIBBONS, POINTS)``, 0..ROWS + 2.
+        stubble_row: Likewise, of clipped heads: short, evenly spread.
         half_width_mm: ``(RIBBONS, POINTS)``.
         twist: ``(RIBBONS,)`` radians about the strand.
         rise: ``(RIBBONS, POINTS)``, 0..1, share of the style's flyaway height.
+        stray: ``(RIBBONS, POINTS)``, how far it leaves its column, share of the flyaway height.
         phase: ``(RIBBONS,)`` of the curls, radians.
     """
 
     column: Floats
     row: Floats
+    stubble_row: Floats
     half_width_mm: Singles
     twist: Singles
     rise: Singles
+    stray: Singles
     phase: Singles
 
 
 @lru_cache(maxsize=1)
 def layout() -> Layout:
-    """Return the fixed layout of the ribbons."""
+    """Return the fixed layout: of 20 ribbons 9 carry the edge, 2 are fine hairs past it."""
     rng = np.random.default_rng(20)
     along = np.linspace(0.0, 1.0, POINTS)[None, :]
     count = np.arange(RIBBONS)
+    kind = count % _KINDS
+    edge, fine = kind < _EDGES, kind >= _KINDS - _FINE
+    flyaway = (kind >= _EDGES) & (kind < _EDGES + _FLYAWAY)
     u = (count * 0.6180339887498949) % 1.0
-    edge = (count % 20) < round(20 * _EDGE_SHARE)
     last = ROWS - 1.0
-    start = np.where(edge, rng.uniform(0.55, 0.9, RIBBONS), rng.uniform(0.0, 0.85, RIBBONS)) * last
-    reach = np.where(
-        edge,
-        last + rng.uniform(-2.0, 1.9, RIBBONS) - start,
-        rng.uniform(0.12, 0.38, RIBBONS) * last,
-    )
-    row = np.minimum(start[:, None] + reach[:, None] * along, last + len(BEYOND_MM) - 0.01)
-    drift = rng.normal(0.0, 1.6, (RIBBONS, 1))
+    start = np.where(edge, rng.uniform(0.5, 0.92, RIBBONS), rng.uniform(0.0, 0.85, RIBBONS)) * last
+    start = np.where(fine, last - rng.uniform(0.0, 4.0, RIBBONS), start)
+    end = np.where(edge, last - 1.0 + 3.6 * rng.beta(3.0, 3.0, RIBBONS), 0.0)
+    end = np.where(fine, last + rng.uniform(0.5, 2.95, RIBBONS), end)
+    body = start + rng.uniform(0.12, 0.38, RIBBONS) * last
+    end = np.where(edge | fine, end, np.minimum(body, last))
+    row = start[:, None] + (end - start)[:, None] * along
+    drift = rng.normal(0.0, 1.4, (RIBBONS, 1))
     column = np.clip(u[:, None] * (COLUMNS - 1) + drift * along, 0.0, COLUMNS - 1.001)
-    width = rng.uniform(0.5, 1.5, (RIBBONS, 1)) * np.sin(np.pi * (0.12 + 0.86 * along)) ** 0.7
-    rise = rng.beta(1.2, 2.4, (RIBBONS, 1)) * np.sin(np.pi * (0.9 * along + 0.02))
+    stubble = (
+        np.sqrt(rng.random((RIBBONS, 1))) * (last + 1.2)
+        + rng.uniform(0.5, 1.2, (RIBBONS, 1)) * along
+    )
+    width = rng.uniform(0.2, 0.5, RIBBONS) * np.where(fine, 0.5, 1.0)
+    half = width[:, None] * np.sin(np.pi * (0.14 + 0.8 * along)) ** 0.7
+    rise = rng.beta(1.2, 2.4, (RIBBONS, 1)) * np.where(flyaway, 2.2, 1.0)[:, None]
+    stray = rng.normal(0.0, 1.0, (RIBBONS, 1)) * np.where(flyaway, 4.0, 1.0)[:, None]
     return Layout(
         column,
         row,
-        width.astype(np.float32),
+        np.minimum(stubble, last + len(BEYOND_MM) - 0.01),
+        half.astype(np.float32),
         rng.normal(0.0, 0.45, RIBBONS).astype(np.float32),
-        rise.astype(np.float32),
+        (rise * np.sin(np.pi * (0.9 * along + 0.02))).astype(np.float32),
+        (stray * along**2).astype(np.float32),
         rng.uniform(0.0, 2.0 * np.pi, RIBBONS).astype(np.float32),
     )
 
@@ -80,27 +98,46 @@ def layout() -> Layout:
 def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Generator) -> Singles:
     """Return the ribbons' vertices, ``(RIBBONS, POINTS, 2, 3)`` mm: left and right edge."""
     plan = layout()
-    curly = parameters["curl_mm"] >= CURLY_FROM_MM
+    stubble = parameters["stubble_mm"] > 0
+    curly = parameters["curl_mm"] >= CURLY_FROM_MM and not stubble
     stacked = np.concatenate([shell.points, shell.outward, shell.height[..., None]], axis=-1)
-    sampled = _sampler(curly) @ stacked.reshape(-1, 7).astype(np.float32)
+    sampler = _sampler("stubble" if stubble else "curly" if curly else "straight")
+    sampled = sampler @ stacked.reshape(-1, 7).astype(np.float32)
     sampled = sampled.reshape(RIBBONS, POINTS, 7)
     centre, outward, height = sampled[..., :3], sampled[..., 3:6], sampled[..., 6]
     tangent = _unit(_along(centre))
     across = _unit(_cross(outward, tangent))
-    if parameters["sunk_mm"] <= 0:
-        thick = np.clip(height / 4.0, 0.15, 1.0)
-        off = 0.35 + parameters["flyaway_mm"] * plan.rise * thick
-        off += np.clip(0.6 - height, 0.0, 2.5) * 0.8
-        curl = parameters["curl_mm"] * np.clip(height / 8.0, 0.0, 1.0)
-        turns = np.linspace(0.0, 8.0 if curly else 4.5, POINTS, dtype=np.float32)[None, :]
-        turns = turns * rng.uniform(0.6, 1.4, (RIBBONS, 1)).astype(np.float32)
-        turns += plan.phase[:, None]
-        centre = centre + outward * (off + 0.5 * curl * (1 + np.cos(turns)))[..., None]
-        centre += across * (curl * np.sin(turns))[..., None]
+    if stubble:
+        along = np.linspace(0.0, 1.0, POINTS, dtype=np.float32)
+        up = rng.uniform(0.3, 1.0, (RIBBONS, 1)).astype(np.float32) * along
+        centre = centre + outward * (0.1 - height + parameters["stubble_mm"] * up)[..., None]
+        centre += across * (0.5 * plan.stray)[..., None]
+    elif parameters["sunk_mm"] <= 0:
+        off, aside = _loosen(parameters, height, rng)
+        centre = centre + outward * off[..., None]
+        centre += across * aside[..., None]
     tilt = plan.twist[:, None, None]
     half = np.cos(tilt) * across + np.sin(tilt) * _cross(tangent, across)
     half *= plan.half_width_mm[..., None]
     return np.stack([centre - half, centre + half], axis=2)
+
+
+def _loosen(
+    parameters: Mapping[str, Any], height: Singles, rng: np.random.Generator
+) -> tuple[Singles, Singles]:
+    """Curl strands and let some fly: shifts off the shell and along it, mm."""
+    plan = layout()
+    curly = parameters["curl_mm"] >= CURLY_FROM_MM
+    thick = np.clip(height / 4.0, 0.15, 1.0)
+    off = 0.35 + parameters["flyaway_mm"] * plan.rise * thick
+    off += np.clip(0.6 - height, 0.0, 2.5) * 0.8
+    curl = parameters["curl_mm"] * np.clip(height / 8.0, 0.0, 1.0)
+    turns = np.linspace(0.0, 6.5 if curly else 4.5, POINTS, dtype=np.float32)[None, :]
+    turns = turns * rng.uniform(0.6, 1.4, (RIBBONS, 1)).astype(np.float32)
+    turns += plan.phase[:, None]
+    off += 0.5 * curl * (1 + np.cos(turns))
+    aside = curl * np.sin(turns) + 0.35 * parameters["flyaway_mm"] * plan.stray
+    return off, aside
 
 
 def strand_faces() -> NDArray[np.int32]:
@@ -120,9 +157,12 @@ def strand_faces() -> NDArray[np.int32]:
 def strand_uv() -> Singles:
     """Return the ribbons' texture coordinates, ``(RIBBONS * POINTS * 2, 2)``."""
     plan = layout()
-    u = plan.column[:, :1] / (COLUMNS - 1.0) + np.zeros((1, POINTS))
+    shade = plan.column[:, :1] / (COLUMNS - 1.0)
+    shade = shade + np.random.default_rng(21).normal(0.0, 0.02, (RIBBONS, 1))
+    first = SHELL_COLUMNS + 1.0 + (RIBBON_COLUMNS - 2.0) * np.clip(shade, 0.0, 1.0)
+    u = first / TEXTURE_SHAPE[1] + np.zeros((1, POINTS))
     v = np.clip(plan.row / (ROWS - 1.0), 0.0, 1.0)
-    step = np.array([-0.0006, 0.0006])
+    step = np.array([-0.0002, 0.0002])
     uv = np.stack(
         [np.clip(u[..., None] + step, 0.0, 1.0), np.broadcast_to(v[..., None], (*v.shape, 2))],
         axis=-1,
@@ -130,13 +170,13 @@ def strand_uv() -> Singles:
     return uv.reshape(-1, 2).astype(np.float32)
 
 
-@lru_cache(maxsize=2)
-def _sampler(curly: bool) -> Any:
+@lru_cache(maxsize=3)
+def _sampler(kind: str) -> Any:
     """Sparse ``(RIBBONS * POINTS, COLUMNS * (ROWS + 3))``: the shell, bilinear, at the ribbons."""
     plan = layout()
     rows = ROWS + len(BEYOND_MM)
-    row = plan.row
-    if curly:
+    row = plan.stubble_row if kind == "stubble" else plan.row
+    if kind == "curly":
         end = row[:, -1:]
         row = end + (row - end) * _CURLY_REACH
     column, row = plan.column.ravel(), row.ravel()

@@ -57,6 +57,7 @@ _SHORT: dict[str, Range] = {
     "trim_back_deg": (0.0, 10.0),
     "bald_deg": (0.0, 0.0),
     "sunk_mm": (0.0, 0.0),
+    "stubble_mm": (0.0, 0.0),
 }
 
 _LONG: dict[str, Range] = _SHORT | {
@@ -96,7 +97,8 @@ _RANGES: dict[str, dict[str, Range]] = {
         "clump_mm": (0.2, 0.5),
         "flyaway_mm": (0.2, 0.6),
         "wave_mm": (0.0, 0.0),
-        "density": (0.65, 0.95),
+        "stubble_mm": (1.0, 4.0),
+        "density": (0.6, 0.9),
     },
     "crop": _SHORT
     | {"fringe_mm": (-6.0, 14.0), "fringe_tilt_mm": (-8.0, 8.0), "sweep_mm": (-14.0, 14.0)},

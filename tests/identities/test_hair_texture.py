@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lrsr.identities.hair_texture import TEXTURE_SHAPE, hair_texture, mean_colour
+from lrsr.identities.hair_texture import SHELL_COLUMNS, TEXTURE_SHAPE, hair_texture, mean_colour
 
 BROWN = {"hair_colour": [0.10, 0.05, 0.02], "grey": 0.0, "curl_mm": 0.5}
 
@@ -18,7 +18,9 @@ def test_texture_is_reflectance_of_fixed_size() -> None:
 @pytest.mark.parametrize("curl_mm", [0.0, 4.0])
 def test_mean_of_the_texture_is_the_mean_colour(grey: float, curl_mm: float) -> None:
     parameters = BROWN | {"grey": grey, "curl_mm": curl_mm}
-    means = [hair_texture(parameters, seed).mean(axis=(0, 1)) for seed in range(4)]
+    means = [
+        hair_texture(parameters, seed)[:, SHELL_COLUMNS:].mean(axis=(0, 1)) for seed in range(4)
+    ]
     np.testing.assert_allclose(np.mean(means, axis=0), mean_colour(parameters), rtol=0.12)
 
 
@@ -53,3 +55,9 @@ def test_half_grey_hair_mixes_strands() -> None:
 def test_seed_decides_the_strands() -> None:
     np.testing.assert_array_equal(hair_texture(BROWN, 5), hair_texture(BROWN, 5))
     assert np.abs(hair_texture(BROWN, 5) - hair_texture(BROWN, 6)).max() > 0.01
+
+
+def test_shell_lies_in_the_shade_of_its_ribbons() -> None:
+    texture = hair_texture(BROWN, 0)
+    shell, ribbons = texture[:, :SHELL_COLUMNS], texture[:, SHELL_COLUMNS:]
+    assert shell.mean() < 0.8 * ribbons.mean()
