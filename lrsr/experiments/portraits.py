@@ -12,6 +12,7 @@ from lrsr.errors import ImageContractError
 
 GAP_PX = 4
 LINE_PX = 20
+_DPI = 128  # a power of two: no pixel is lost on the way through inches and back
 
 
 def draw_portraits(
@@ -45,9 +46,9 @@ def draw_portraits(
     sheet = np.ones((down, across, 3))
     for image, (y, x) in zip(images, places, strict=True):
         sheet[y : y + height, x : x + width] = image.clip(0, 1).transpose(1, 2, 0)
-    figure = Figure(figsize=(across / 100, down / 100), dpi=100)
+    figure = Figure(figsize=(across / _DPI, down / _DPI), dpi=_DPI)
     figure.figimage(np.rint(sheet * 255).astype(np.uint8), xo=0, yo=0, origin="upper")
-    size = min(9.0, 9.0 * width / 160)  # points; 160 px hold "test-00000-female  f 41"
+    size = min(7.0, 7.0 * width / 160)  # points; 160 px hold "test-00000-female  f 41"
     for caption, (y, x) in zip(captions, places, strict=True):
         middle = 1 - (y + height + LINE_PX / 2) / down
         where = {"ha": "center", "va": "center", "fontsize": size}

@@ -1,0 +1,92 @@
+import io
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from numpy.typing import NDArray
+
+from lrsr.errors import ImageContractError
+from lrsr.experiments.portraits import GAP_PX, LINE_PX, draw_portraits
+
+
+def drawn(faces: Any, *, columns: int = 3, **options: Any) -> NDArray[np.int_]:
+    captions = options.pop("captions", [f"person {k}" for k in range(len(faces))])
+    png = draw_portraits(faces, captions, columns=columns, **options)
+    return np.rint(imread(io.BytesIO(png))[..., :3] * 255).astype(int)
+
+
+def faces(count: int, height: int = 24, width: int = 20) -> NDArray[np.float64]:
+    return np.random.default_rng(0).integers(0, 256, (count, 3, height, width)) / 255
+
+
+def levels(face: NDArray[np.float64]) -> NDArray[np.int_]:
+    return np.rint(face * 255).astype(int).transpose(1, 2, 0)
+
+
+def test_every_face_is_there_pixel_for_pixel_row_by_row() -> None:
+    shown = faces(5)
+    sheet = drawn(shown, columns=3)
+    for number, face in enumerate(shown):
+        row, column = divmod(number, 3)
+        y, x = GAP_PX + row * (24 + LINE_PX + GAP_PX), GAP_PX + column * (20 + GAP_PX)
+        np.testing.assert_array_equal(sheet[y : y + 24, x : x + 20], levels(face))
+
+
+@pytest.mark.parametrize(
+    ("width", "columns"), [(20, 3), (25, 4), (50, 2), (53, 2), (107, 1), (21, 1), (64, 10)]
+)
+def test_the_sheet_is_as_large_as_its_portraits(width: int, columns: int) -> None:
+    # At 100 dpi, matplotlib 3.9 makes 28 of 29 px, 57 of 58, 114 of 115.
+    sheet = drawn(faces(2 * columns, 25, width), columns=columns)
+    assert sheet.shape[0] == GAP_PX + 2 * (25 + LINE_PX + GAP_PX) - GAP_PX
+    assert sheet.shape[1] == GAP_PX + columns * (width + GAP_PX)
+
+
+def test_few_portraits_make_a_narrow_sheet() -> None:
+    assert drawn(faces(2), columns=10).shape == drawn(faces(2), columns=2).shape
+
+
+def test_a_row_that_is_not_full_is_white_at_its_end() -> None:
+    sheet = drawn(faces(4), columns=3)
+    assert (sheet[GAP_PX + 24 + LINE_PX :, GAP_PX + 20 + 20 :] == 255).all()
+
+
+def test_there_is_a_line_under_each_face() -> None:
+    sheet = drawn(faces(3, 24, 80), columns=3, captions=["one", "", "three"])
+    below = sheet[GAP_PX + 24 : GAP_PX + 24 + LINE_PX]
+    dark = [(below[:, GAP_PX + k * (80 + GAP_PX) :][:, :80] < 128).any() for k in range(3)]
+    assert dark == [True, False, True]
+
+
+def test_a_pairs_faces_are_nearer_to_each_other_than_to_the_next_pair() -> None:
+    shown = faces(4)
+    sheet = drawn(shown, columns=4, group=2, captions=[""] * 4)
+    dark = np.flatnonzero((sheet < 255).all(axis=2).any(axis=0))
+    gaps = np.diff(dark)[np.diff(dark) > 1] - 1
+    assert gaps.tolist() == [GAP_PX, 5 * GAP_PX, GAP_PX]
+
+
+def test_what_lies_outside_the_range_is_clipped_for_the_picture() -> None:
+    face = np.stack([np.full((4, 4), value) for value in (-0.5, 0.5, 1.5)])
+    assert drawn([face])[GAP_PX, GAP_PX].tolist() == [0, 128, 255]
+
+
+def test_the_same_portraits_are_the_same_bytes() -> None:
+    first, again = (draw_portraits(faces(3), ["a", "b", "c"], columns=2) for _ in range(2))
+    assert first == again
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [[], [np.zeros((3, 4, 4)), np.zeros((3, 4, 5))], [np.zeros((1, 4, 4))], [np.zeros((4, 4))]],
+    ids=["nobody", "two sizes", "grey", "no channels"],
+)
+def test_what_is_no_row_of_faces_is_refused(wrong: list[NDArray[np.float64]]) -> None:
+    with pytest.raises(ImageContractError, match=r"portraits: got shapes .*wanted one \(3, h, w\)"):
+        drawn(wrong)
+
+
+def test_a_missing_caption_is_noticed() -> None:
+    with pytest.raises(ImageContractError, match="got 1 captions, 2 faces"):
+        drawn(faces(2), captions=["one"])
