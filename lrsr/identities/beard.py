@@ -173,7 +173,8 @@ def shadow_mask(zones: dict[str, FloatMap]) -> FloatMap:
         "patchiness": 0.0,
         "grey": 1.0,
     }
-    return np.minimum(np.float32(1.2) * beard_mask(stubble, zones), np.float32(1))
+    shown = np.minimum(np.float32(1.2) * beard_mask(stubble, zones), 1)
+    return np.asarray(shown, dtype=np.float32)
 
 
 def beard_strands(beard: Beard, rng: Generator) -> NDArray[np.float64]:

@@ -19,7 +19,8 @@ class Complexion(TypedDict):
     """Pigments of the skin: means as volume fractions, the rest as changes of their logarithms.
 
     ``carotene`` is the optical depth of yellow pigment for blue light: what makes an undertone
-    golden or olive.
+    golden or olive. ``perioral``, ``orbits`` and ``sides`` are what the skin around the mouth, in
+    the sockets of the eyes and from the temples to the jaw is darker by.
     """
 
     melanin: float
@@ -36,6 +37,9 @@ class Complexion(TypedDict):
     tan: float
     lip_fading: float
     carotene: float
+    perioral: float
+    orbits: float
+    sides: float
 
 
 def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Complexion:
@@ -61,15 +65,18 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
         "melanin_mottle": float(rng.uniform(0.5, 1.4) * (1 + 0.8 * age)),
         "blood_mottle": float(rng.uniform(0.5, 1.7)),
         "cheeks": _soften(0.36 * flush * rng.uniform(0.3, 1.5)),
-        "nose": _soften(0.27 * flush * rng.uniform(0.3, 1.4)),
+        "nose": _soften(0.33 * flush * rng.uniform(0.3, 1.4)),
         "ears": float(rng.uniform(0.15, 0.6)),
         "lids": float(rng.uniform(0.1, 0.5)),
-        "chin": float(rng.uniform(0.0, 0.35)),
-        "forehead": float(rng.uniform(-0.25, 0.1)),
+        "chin": float(rng.uniform(-0.1, 0.45)),
+        "forehead": float(rng.uniform(-0.35, 0.2)),
         "dark_circles": float(np.clip(rng.normal(0.06 + 0.32 * age, 0.16), 0.0, 0.6)),
         "tan": float(rng.uniform(-0.1, 0.25)),
         "lip_fading": float(age * rng.uniform(0.15, 0.6)),
         "carotene": float(np.clip(rng.normal(0.04 + 0.06 * shares[1], 0.09), -0.10, 0.24)),
+        "perioral": float(np.clip(rng.normal(0.08, 0.34), -0.4, 0.9)),
+        "orbits": float(np.clip(rng.normal(0.06 + 0.15 * age, 0.30), -0.3, 0.85)),
+        "sides": float(rng.normal(0.08, 0.22)),
     }
 
 

@@ -88,7 +88,7 @@ def sample_grain(rng: Generator, *, masculinity: float, age: float) -> Grain:
         "pore_coarseness": float(np.clip(coarse, 0.0, 1.0)),
         "pore_darkness": float(np.clip(0.30 * np.exp(rng.normal(0.0, 0.5)), 0.08, 0.8)),
         "crease_mm": float((0.006 + 0.032 * age) * np.exp(rng.normal(0.0, 0.35))),
-        "bump_mm": float(0.015 * np.exp(rng.normal(0.7 * age, 0.4))),
+        "bump_mm": float(0.018 * np.exp(rng.normal(0.6 * age, 0.35))),
         "lip_furrow_mm": float(rng.uniform(0.03, 0.12) + 0.05 * age),
         "place_seed": int(rng.integers(1 << 31)),
     }

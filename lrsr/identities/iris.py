@@ -24,10 +24,10 @@ IRIS_COLOURS: dict[str, tuple[float, float, float]] = {
     "black": (0.022, 0.012, 0.007),
     "dark brown": (0.045, 0.021, 0.010),
     "brown": (0.095, 0.046, 0.019),
-    "hazel": (0.120, 0.082, 0.035),
-    "green": (0.110, 0.115, 0.066),
+    "hazel": (0.135, 0.085, 0.030),
+    "green": (0.100, 0.120, 0.060),
     "grey": (0.145, 0.158, 0.162),
-    "blue": (0.105, 0.148, 0.195),
+    "blue": (0.088, 0.146, 0.215),
 }
 """Middle of the iris, linear sRGB."""
 
@@ -74,7 +74,7 @@ def sample_iris(rng: Generator, *, european: float, eumelanin: float, age: float
         "colour": colour,
         "half_angle_rad": float(rng.uniform(0.345, 0.39)),
         "pupil_share": float(rng.uniform(0.30, 0.48)),
-        "brightness": float(np.exp(rng.normal(0.0, 0.16 if colour in _LIGHT else 0.3))),
+        "brightness": float(np.exp(rng.normal(0.0, 0.20 if colour in _LIGHT else 0.35))),
         "limbus": float(rng.uniform(0.35, 0.9)),
         "ring": float(rng.uniform(0.0, 0.8)),
         "redness": float(np.clip(rng.normal(0.35 + 0.25 * age, 0.18), 0.05, 1.0)),

@@ -39,6 +39,7 @@ class PigmentPainter:
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
         self._regions = regions.blood_regions(layout.coarse) | {"cheeks": _cheeks(layout.coarse)}
+        self._shades = _shades(layout.coarse)
         self._noise_pixels = _noise_pixels(layout.coarse)
         self._lips = Patches(layout.lips)
         waterline = np.zeros(layout.shape, dtype=np.float32)
@@ -100,6 +101,8 @@ class PigmentPainter:
         circles = np.float32(skin["dark_circles"]) * self._regions["circles"]
         melanin += np.float32(contrast) * circles
         melanin += np.float32(skin["tan"] * contrast) * self._regions["forehead"]
+        for name in ("perioral", "orbits", "sides"):
+            melanin += np.float32(skin[name] * np.sqrt(contrast)) * self._shades[name]
         melanin += np.float32(np.log(skin["melanin"]))
         flush = np.zeros_like(blood)
         for name in ("cheeks", "nose", "ears", "lids", "chin", "forehead"):
@@ -107,6 +110,7 @@ class PigmentPainter:
         flush *= 1 + np.float32(3.0) * noise[..., 1]  # blood's own mottling breaks a flush up
         blood += flush
         blood += np.float32(0.9) * circles
+        blood += np.float32(0.5 * skin["orbits"]) * self._shades["orbits"]
         blood += np.float32(np.log(skin["blood"]))
         return melanin, blood
 
@@ -154,6 +158,15 @@ def _cheeks(position: FloatMap) -> FloatMap:
     broad = regions.blob(position, (40.0, -34.0, -10.0), (21.0, 19.0, 45.0))
     apples = regions.blob(position, (31.0, -31.0, 0.0), (11.0, 10.0, 30.0))
     return np.asarray(np.float32(0.6) * broad + np.float32(0.35) * apples, dtype=np.float32)
+
+
+def _shades(position: FloatMap) -> dict[str, FloatMap]:
+    """Where skin is darker or lighter than the rest of the face, in people of every tone."""
+    return {
+        "perioral": regions.blob(position, (13.0, -75.0, 5.0), (15.0, 13.0, 30.0)),
+        "orbits": regions.blob(position, (31.0, 1.0, -3.0), (15.0, 10.0, 25.0)),
+        "sides": regions.blob(position, (64.0, -15.0, -40.0), (17.0, 55.0, 40.0)),
+    }
 
 
 def _noise_pixels(position: FloatMap) -> FloatMap:

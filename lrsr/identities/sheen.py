@@ -39,9 +39,9 @@ def sample_sheen(rng: Generator, *, age: float) -> Sheen:
     oiliness = rng.normal(0.0, 1.0)
     return {
         "roughness": float(np.clip(0.50 - 0.045 * oiliness + 0.03 * age, 0.38, 0.65)),
-        "t_zone": float(-np.clip(0.10 + 0.035 * oiliness + rng.normal(0.0, 0.02), 0.02, 0.17)),
+        "t_zone": float(-np.clip(0.09 + 0.035 * oiliness + rng.normal(0.0, 0.02), 0.02, 0.17)),
         "lips": float(-np.clip(rng.normal(0.13 - 0.05 * age, 0.05), 0.0, 0.22)),
-        "patchiness": float(rng.uniform(0.015, 0.04)),
+        "patchiness": float(rng.uniform(0.02, 0.05)),
     }
 
 
@@ -81,7 +81,7 @@ class SheenPainter:
             ``(h, w)`` float32, roughness, within ``ROUGHNESS_LIMITS``.
         """
         height, width = self._lips.shape
-        cells = rng.standard_normal((max(2, height // 5), max(2, width // 5)), dtype=np.float32)
+        cells = rng.standard_normal((max(2, height // 3), max(2, width // 3)), dtype=np.float32)
         patches = cv2.resize(cells, (width, height), interpolation=cv2.INTER_CUBIC)
         roughness = np.float32(sheen["patchiness"]) * patches + self._matte
         roughness += np.float32(sheen["t_zone"]) * self._t_zone

@@ -12,13 +12,14 @@ from lrsr.errors import InputError
 from lrsr.identities.head import Material
 
 REFLECTIVE: Mapping[Material, Mapping[str, float]] = {
-    # F0 = 0.036 is sebum's index of 1.47 on skin of 1.4 (0.028, Jensen et al. 2001); Weyrich et al.
-    # 2006 measured lobes of width 0.2 to 0.35 on faces, α = roughness² = 0.25 here.
-    "skin": {"roughness": 0.5, "specular": 0.45},
+    # F0 = 0.032 lies between skin's index of 1.4 (0.028, Jensen et al. 2001) and sebum's of 1.47
+    # (0.036); Weyrich et al. 2006 measured lobes of width 0.2 to 0.35 on faces, α = roughness² =
+    # 0.25 here.
+    "skin": {"roughness": 0.5, "specular": 0.4},
     # The tear film: index 1.336, F0 = 0.021, smooth; roughened until its highlight is no firefly.
     "eye": {"roughness": 0.15, "specular": 0.27, "clearcoat": 0.2, "clearcoat_gloss": 0.9},
     # Keratin has the index 1.55, F0 = 0.047; strands run along v of the texture (estimated).
-    "hair": {"roughness": 0.55, "specular": 0.3, "anisotropic": 0.5},
+    "hair": {"roughness": 0.45, "specular": 0.4, "anisotropic": 0.5},
     # Too thin to shine (estimated).
     "lash": {"roughness": 0.9, "specular": 0.0},
 }

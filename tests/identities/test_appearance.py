@@ -48,6 +48,9 @@ def _plain(**changes: dict[str, Any]) -> Any:
             "blood_mottle": 0.2,
             "tan": 0.0,
             "carotene": 0.0,
+            "perioral": 0.0,
+            "orbits": 0.0,
+            "sides": 0.0,
             "forehead": 0.0,
         },
     }
