@@ -1,0 +1,48 @@
+"""Painted people of whom some look like others, as the same paint with other noise."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from fakes.painted import PaintedMaker
+
+from lrsr.data.recipe import ProbeRecipe
+from lrsr.identities.head import Head
+from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.person import Person, tone_of
+from lrsr.identities.uniqueness import Drawn
+from lrsr.rendering.radiance import Radiance
+
+
+class TwinMaker(PaintedMaker):
+    """Paints whom it is told alike; says who everyone is, and notes whom it was asked for.
+
+    Args:
+        looks: Index and draw of a person, and the index of the person whose looks they have.
+        patience: Renderings after which Ctrl-C is pressed; None: never.
+    """
+
+    def __init__(
+        self, looks: Mapping[Drawn, int] | None = None, patience: int | None = None
+    ) -> None:
+        self.looks = dict(looks or {})
+        self.patience = patience
+        self.rendered: list[str] = []
+        self.versions: Mapping[str, str] = {"painted": "1", "identities": RECIPE_VERSION}
+
+    def render(self, head: Head, recipe: ProbeRecipe) -> Radiance:
+        if self.patience == len(self.rendered):
+            raise KeyboardInterrupt
+        self.rendered.append(recipe.identity_id)
+        own = recipe.index + 1000 * recipe.draw
+        look = self.looks.get((recipe.index, recipe.draw), own)
+        radiance = super().render(head, replace(recipe, index=look))
+        return replace(radiance, identity_id=recipe.identity_id, person=person(recipe))
+
+
+def person(recipe: ProbeRecipe) -> Person:
+    """Say who somebody is: sex and age follow from the number, a redrawn one is a year older."""
+    number = recipe.index
+    ita_deg = 50.0 - 10.0 * (number % 10)
+    ancestry = {"african": 0.1, "asian": 0.1, "caucasian": 0.8}
+    sex = ("female", "male")[number % 2]
+    return Person(sex, 25.0 + number % 40 + recipe.draw, ancestry, ita_deg, tone_of(ita_deg))
