@@ -248,9 +248,9 @@ def summary(findings: Findings) -> dict[str, Any]:
     """Return the findings as plain values.
 
     Returns:
-        JSON-serialisable: ``people``, ``faces_not_found``, ``angles_deg`` (of those left),
-        ``first_angles_deg`` (before anybody was redrawn), ``nearest_pairs``, ``rejected``,
-        ``unresolved``, ``encoder``.
+        JSON-serialisable: ``people``, ``compared`` (those with a face), ``angles_deg`` (of those
+        left), ``first_angles_deg`` (before anybody was redrawn), ``histogram``, ``nearest_pairs``,
+        ``rejected``, ``unresolved``, ``encoder``.
     """
     counts, edges = np.histogram(findings.angles_deg, bins=np.arange(0.0, 181.0, 1.0))
     pairs = len(findings.angles_deg)
