@@ -218,6 +218,17 @@ def measure_crookedness(skin: Points) -> Crookedness:
     )
 
 
+def nose_depth_mm(skin: Points) -> float:
+    """Return how far the tip of the nose lies before the widest points of its wings, mm.
+
+    Args:
+        skin: ``(V, 3)`` render vertices, head frame, mm.
+    """
+    vertex = _landmark_vertices()
+    wings = (skin[vertex["left alare"], 2] + skin[vertex["right alare"], 2]) / 2
+    return float(skin[vertex["pronasale"], 2] - wings)
+
+
 def proportions(lengths: dict[str, float]) -> dict[str, float]:
     """Turn lengths into :data:`PROPORTIONS`: millimetres, or percent of another length.
 

@@ -148,7 +148,7 @@ def _lips() -> _Lips:
 
 
 def lip_overlap_mm(skin: Points) -> float:
-    """Return how deep the lips press into each other where they do so most; 0 for an open mouth.
+    """Return how deep the lips press into each other where they do so most.
 
     Real lips at rest flatten against each other; meshes pass through each other instead, which
     shows only when it is deep. Both faces of the mouth's slit are looked at from above, in cells of

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.errors import InputError
+from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities import anthropometry
 from lrsr.identities.anthropometry import PROPORTIONS, SIGMA_Z_LIMIT, Sex
 from lrsr.identities.blotches import measure_paint
@@ -41,6 +41,9 @@ LIMITS: dict[str, tuple[float, float]] = {
     # Seen from below both nostrils open some 130 mm^2; a nose of 120 degrees shows half from front.
     "nose: nostrils seen from in front, mm^2": (0.0, 62.0),
     "nose: walls that cross, pairs": (0.0, 20.0),
+    # From its crease in the cheek, some 9 mm behind its widest point, to the tip a wing is 28 to
+    # 35 mm long, SD 2 (Farkas 1994).
+    "nose: tip before the wings, mm": (10.0, 34.0),
     "mouth: lips pressed into each other, mm": (0.0, 3.5),
     # Half as much again as what observers call crooked; a chin strays more than a nose can.
     "crooked: cant of the mouth, degrees": (0.0, 5.0),
@@ -49,7 +52,8 @@ LIMITS: dict[str, tuple[float, float]] = {
     "crooked: chin off the middle, mm": (0.0, 7.0),
     "skin: share of triangles turned over": (0.0, 0.002),
     "skin: share of triangles crushed": (0.0, 0.002),
-    "hair: off the skin, mm": (0.0, 18.0),
+    # Hair gives the crown up to 2 cm of volume; a soft edge lies flat.
+    "hair: off the skin, mm": (0.0, 22.0),
     "hair: ribbons off skin and shell, mm": (0.0, 14.0),
     "hair: share before the eyes": (0.0, 0.002),
     "hair: share before nose and mouth": (0.0, 0.002),
@@ -168,12 +172,15 @@ def check_face(skin: Points, eyes: Eyes, parameters: Mapping[str, Any]) -> Plaus
 
     Raises:
         InputError: The skin is not of the template's topology.
+        NonFiniteError: A coordinate is NaN or infinite.
     """
     if skin.shape != template().skin.shape:
         raise InputError(
             f"plausibility is judged on {len(template().skin)} vertices of the template's skin, got"
             f" an array of shape {skin.shape}: give a head of lrsr.identities.morphable"
         )
+    if not np.isfinite(skin).all():
+        raise NonFiniteError("a vertex of the skin is not finite: plausibility cannot be judged")
     iris = parameters.get("appearance", {}).get("iris", {}).get("half_angle_rad", IRIS_RAD)
     shape = _judge_all(dict(_face_measures(skin, eyes, iris)))
     return Plausibility((*_check_proportions(skin, eyes, parameters.get("sex")), *shape))
@@ -224,6 +231,7 @@ def _face_measures(skin: Points, eyes: Eyes, iris_rad: float) -> Iterator[tuple[
     yield "eyes: difference of openings, mm", abs(heights[0] - heights[1])
     yield "nose: nostrils seen from in front, mm^2", nostril_area_mm2(skin)
     yield "nose: walls that cross, pairs", float(count_nose_crossings(skin))
+    yield "nose: tip before the wings, mm", anthropometry.nose_depth_mm(skin)
     yield "mouth: lips pressed into each other, mm", lip_overlap_mm(skin)
     crooked = anthropometry.measure_crookedness(skin)
     yield "crooked: cant of the mouth, degrees", crooked.mouth_deg

@@ -1,4 +1,5 @@
 import hashlib
+import itertools
 import json
 import subprocess
 import sys
@@ -6,16 +7,23 @@ import sys
 import numpy as np
 import pytest
 
+from lrsr.identities import morphable
 from lrsr.identities.basis import load_basis
+from lrsr.identities.eyes import unit_ball
+from lrsr.identities.hair import build_hair
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import (
     RECIPE_VERSION,
+    STREAMS,
     position_map,
     sample_head,
     sample_parameters,
     stream,
     template,
 )
+from lrsr.identities.openings import eyes_of, measure_eyes
+from lrsr.identities.plausibility import Plausibility, Verdict, check_face, check_hair
+from lrsr.identities.population import EVERYBODY
 from lrsr.identities.shape import RACES
 from lrsr.identities.topology import REGIONS
 
@@ -168,6 +176,92 @@ def test_both_sexes_and_all_ancestries_are_about_equally_frequent() -> None:
 def test_streams_are_independent_and_repeatable() -> None:
     assert stream(4, "hair").random() == stream(4, "hair").random()
     assert len({stream(s, n).random() for s in (4, 5) for n in ("hair", "eyes")}) == 4
+
+
+def test_a_stream_drawn_again_is_another_and_the_first_is_what_it_always_was() -> None:
+    draws = [stream(4, "hair", attempt).random() for attempt in range(5)]
+    assert len({*draws, stream(5, "hair").random(), stream(4, "eyes").random()}) == 7
+    assert draws[0] == np.random.default_rng([4, STREAMS.index("hair")]).random()
+
+
+def refuse_first(monkeypatch: pytest.MonkeyPatch, check: str, count: int) -> None:
+    """Let a gate refuse its first draws, whatever they are."""
+    true_check, asked = getattr(morphable, check), itertools.count()
+
+    def judge(*given: object) -> Plausibility:
+        if next(asked) < count:
+            return Plausibility((Verdict("a whim", 1.0, 0.0, 0.5, False),))
+        outcome: Plausibility = true_check(*given)
+        return outcome
+
+    monkeypatch.setattr(morphable, check, judge)
+
+
+def test_a_face_that_is_refused_is_redrawn_and_all_else_about_the_person_stays(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    usual = sample_parameters(1)
+    refuse_first(monkeypatch, "check_face", count=usual["gate"]["redraws"] + 1)
+    redrawn = sample_parameters(1)
+    changed = {name for name in usual if usual[name] != redrawn[name]}
+    assert changed == {"anatomy", "gate"}
+    assert redrawn["gate"]["redraws"] > usual["gate"]["redraws"]
+    assert redrawn["gate"]["failures"][0] == ["a whim"]
+
+
+def test_hair_that_is_refused_is_redrawn_in_its_colour_on_the_same_face(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    usual = sample_parameters(1)
+    refuse_first(monkeypatch, "check_hair", count=1)
+    redrawn = sample_parameters(1)
+    assert {name for name in usual if usual[name] != redrawn[name]} == {"hair", "gate"}
+    assert redrawn["hair"]["hair_colour"] == usual["hair"]["hair_colour"]
+    assert redrawn["gate"]["redraws"] == usual["gate"]["redraws"] + 1
+
+
+def test_a_redrawn_person_is_the_same_one_every_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    people = []
+    for _ in range(2):
+        with monkeypatch.context() as patch:
+            refuse_first(patch, "check_face", count=3)
+            people.append(sample_parameters(5))
+    assert people[0] == people[1]
+
+
+def test_everybody_is_plausible_before_they_get_wrinkles() -> None:
+    for seed in range(12):
+        parameters, face = morphable._draw_person(seed, EVERYBODY)
+        assert parameters["gate"]["unresolved"] == []
+        assert check_face(face.skin, face.eyes, parameters).passed
+        skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
+        hair = build_hair(parameters["hair"], skin, seed).vertices
+        assert check_hair(hair, skin, pupils, parameters).passed
+
+
+def test_the_gate_does_not_choose_who_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    who = ("sex", "masculinity", "age", "ancestry", "appearance")
+    usual = [sample_parameters(seed) for seed in range(8)]
+    monkeypatch.setattr(morphable, "check_face", lambda *_: Plausibility(()))
+    ungated = [sample_parameters(seed) for seed in range(8)]
+    for one, other in zip(usual, ungated, strict=True):
+        assert [one[name] for name in who] == [other[name] for name in who]
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_neither_expression_nor_texture_decides_who_is_drawn(seed: int) -> None:
+    wanted = sample_parameters(seed)
+    for expression, size in (("surprise", 64), ("blink", 64), ("neutral", 256)):
+        head = sample_head(seed, texture_size=size, expression=expression)
+        assert head.parameters == wanted
+
+
+def test_lids_that_wrinkle_do_not_dip_into_the_eyes(heads: dict[int, Head]) -> None:
+    rim = np.flatnonzero(np.abs(unit_ball().vertices[:, 2]) < 1e-9)
+    for head in heads.values():
+        skin = head.part("skin").vertices.astype(np.float64)
+        for eye in measure_eyes(skin, eyes_of(head, rim)):
+            assert eye.pierced_mm < 0.1
 
 
 def test_the_position_map_leads_from_texels_to_the_template() -> None:
