@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 _EUMELANIN_ABSORPTION = np.array([0.419, 0.697, 1.37])
 _PHEOMELANIN_ABSORPTION = np.array([0.187, 0.4, 1.05])
-_DEPTH = 3.2
+_DEPTH = np.array([3.2, 3.45, 3.65])
 _SURFACE = 0.009
+_DYED = 0.12
 _WHITE = np.array([0.47, 0.46, 0.44])
 
 
@@ -40,11 +41,13 @@ def sample_hair_colour(rng: Generator, *, age: float, ancestry: ArrayLike) -> Ha
     """
     african, asian, european = np.asarray(ancestry, dtype=np.float64)
     mean = african * np.log(7.0) + asian * np.log(6.0) + european * np.log(1.1)
-    spread = 0.3 + 0.65 * european
+    spread = 0.3 + 0.75 * european
     eumelanin = np.exp(rng.normal(mean, spread))
-    pheomelanin = 0.12 * np.exp(rng.normal(0.0, 0.6))
-    if rng.random() < 0.08 * european**2:
+    pheomelanin = 0.15 * np.exp(rng.normal(0.0, 0.7))
+    if rng.random() < 0.1 * european**2:
         eumelanin, pheomelanin = rng.uniform(0.08, 0.5), rng.uniform(0.7, 1.6)
+    elif rng.random() < _DYED * (1.0 - african):
+        eumelanin, pheomelanin = _dye(rng, eumelanin)
     onset = 0.66 - 0.08 * european
     grey = np.clip(rng.normal(1.7 * (age - onset), 0.2), 0.0, 1.0) if age > 0.15 else 0.0
     return {
@@ -52,6 +55,12 @@ def sample_hair_colour(rng: Generator, *, age: float, ancestry: ArrayLike) -> Ha
         "pheomelanin": float(np.clip(pheomelanin, 0.02, 1.8)),
         "grey": float(grey),
     }
+
+
+def _dye(rng: Generator, eumelanin: float) -> tuple[float, float]:
+    """Colour hair a few shades lighter or darker, from honey to dark auburn."""
+    lighter = eumelanin * np.exp(rng.uniform(-1.6, 0.2))
+    return max(lighter, 0.35), float(rng.uniform(0.1, 0.7))
 
 
 def hair_rgb(colour: HairColour, *, darker: float = 1.0, grey: float = 1.0) -> NDArray[np.float32]:
@@ -67,7 +76,7 @@ def hair_rgb(colour: HairColour, *, darker: float = 1.0, grey: float = 1.0) -> N
 
     Example:
         >>> hair_rgb({"eumelanin": 1.3, "pheomelanin": 0.1, "grey": 0.0}).round(2)
-        array([0.1 , 0.05, 0.02], dtype=float32)
+        array([0.1 , 0.04, 0.02], dtype=float32)
     """
     absorption = darker * (
         colour["eumelanin"] * _EUMELANIN_ABSORPTION

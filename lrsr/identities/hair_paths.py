@@ -14,7 +14,7 @@ from scipy.ndimage import gaussian_filter
 
 from lrsr.identities.hair_chart import flatten, sample_chart
 from lrsr.identities.hair_scalp import MM_PER_DEG, bald_polar, hairline_polar, smoothstep
-from lrsr.identities.hair_styles import LOWER_AZIMUTHS_DEG
+from lrsr.identities.hair_styles import AT_HAIRLINE_MM, LOWER_AZIMUTHS_DEG
 
 Floats = NDArray[np.float64]
 
@@ -24,8 +24,8 @@ _HANG_POLAR_DEG = 80.0
 _PARTING_POLAR_DEG = 56.0
 _COLUMN_MM = 2.1
 _FRINGE_ABOVE_MM = 22.0
-_RETREAT_MM = 4.0
-"""The shell ends this far before the tips: single strands carry the edge."""
+_RETREAT_MM = (8.0, 4.0)
+"""The shell ends this far before a hairline, and before free tips: strands carry the edge."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,9 @@ def plan_paths(parameters: Mapping[str, Any], chart: Floats, rng: np.random.Gene
     tuft = group_tufts(parameters["clump_scale_mm"], rng)
     ragged = smooth_noise(rng, (COLUMNS,), (5.0,), spread=0.3) + 0.25 * np.abs(tuft)
     framing = np.clip(1.0 - np.abs(np.abs(azimuth) - first) / 40.0, 0.0, 1.0) * (drop > 60.0)
-    length = over_skull + drop - cut - _RETREAT_MM - parameters["ragged_mm"] * ragged
+    free = smoothstep((drop - 6.0) / 8.0)
+    retreat = _RETREAT_MM[0] + free * (_RETREAT_MM[1] - _RETREAT_MM[0])
+    length = over_skull + drop - cut - retreat - parameters["ragged_mm"] * ragged
     length -= parameters["layer_mm"] * framing**1.5
     closed = parameters["front_left_deg"] == 0.0
     return Paths(
@@ -88,7 +90,7 @@ def plan_paths(parameters: Mapping[str, Any], chart: Floats, rng: np.random.Gene
         length_mm=np.maximum(length, 1.0),
         on_parting=on_parting,
         leading=np.ones(COLUMNS) if closed else smoothstep((1.0 - frontness) / 0.06),
-        free=smoothstep((drop - 6.0) / 8.0),
+        free=free,
         tuft=tuft,
     )
 
@@ -150,7 +152,9 @@ def _leave(
     hangs = low < sample_chart(chart, azimuth, hairline)[:, 1]
     polar = np.where(hangs, np.minimum(hairline, _HANG_POLAR_DEG), hairline)
     fringe = parameters["fringe_mm"] + parameters["fringe_tilt_mm"] * np.sin(np.deg2rad(azimuth))
-    fringe = fringe * smoothstep((54.0 - np.abs(azimuth)) / 14.0)
+    fringe = fringe + parameters["fringe_arch_mm"] * (azimuth / 45.0) ** 2
+    end = 54.0 if parameters["lower_mm"][2] == AT_HAIRLINE_MM else 70.0
+    fringe = fringe * smoothstep((end - np.abs(azimuth)) / 14.0)
     height = sample_chart(chart, azimuth, polar)[:, 1]
     above_brows = np.maximum(height - _FRINGE_ABOVE_MM, 0.0)
     drop = np.where(hangs, height - low, np.clip(fringe, 0.0, above_brows))

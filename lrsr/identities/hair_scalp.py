@@ -23,6 +23,8 @@ MM_PER_DEG = 1.6
 _EAR_CLEARANCE_MM = 5.0
 _REACH_DEG = 32.0
 _FINE = 720
+_WHITE_ROOTS = 0.55
+"""How much less roots colour the skin when they are white."""
 
 # Azimuth (degrees, subject's left positive), polar angle of the natural hairline, and how strongly
 # recession, widow's peak, sideburn (degrees) and nape move it.
@@ -115,7 +117,7 @@ class Scalp:
         if bald > 0:
             rim_mm = (self._polar - bald_polar(azimuth, bald)[self._column]) * MM_PER_DEG
             cover = cover * smoothstep((rim_mm + 10.0 * (stroke - 0.5)) / 18.0 + 0.5)
-        density = parameters["density"]
+        density = parameters["density"] * (1.0 - _WHITE_ROOTS * parameters.get("grey", 0.0))
         cover = cover * (density + (1.0 - density) * 0.5 * (stroke - 0.5))
         mask = np.zeros(self.shape, dtype=np.float32)
         mask.ravel()[self._texels] = np.clip(cover, 0.0, 1.0)

@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 ROWS = 40
 BEYOND_MM = (4.0, 8.0, 12.0)
 """Extra rows past a free edge, for strands that reach over it; not part of the shell's mesh. At a
-hairline they are a fifth shorter."""
+hairline they are a tenth longer."""
 
 STUBBLE_DEPTH_MM = 2.0
 """How far below the skin the shell of a clipped head lies: only its ribbons show."""
@@ -117,7 +117,7 @@ def _make_bed(
 def _run(parameters: Mapping[str, Any], paths: Paths) -> Course:
     """Place the rows on the columns."""
     length = paths.length_mm[:, None]
-    beyond = (0.8 + 0.2 * paths.free[:, None]) * np.asarray(BEYOND_MM)
+    beyond = (1.1 - 0.1 * paths.free[:, None]) * np.asarray(BEYOND_MM)
     along = np.concatenate([shell_rows() * length, length + beyond], axis=1)
     over_skull = paths.over_skull_mm[:, None]
     flat = follow_paths(paths, along / over_skull, parameters["bow"])

@@ -24,7 +24,8 @@ POINTS = 6
 CURLY_FROM_MM = 2.0
 """Curls of at least this radius take short ribbons of a turn each, smaller ones long strands."""
 
-_CURLY_REACH = 0.4
+_CURLY_REACH = 4.5
+_CURLY_WIDTH = 1.6
 _KINDS = 20
 _EDGES = 9
 _FINE = 2
@@ -99,7 +100,7 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
     """Return the ribbons' vertices, ``(RIBBONS, POINTS, 2, 3)`` mm: left and right edge."""
     plan = layout()
     stubble = parameters["stubble_mm"] > 0
-    curly = parameters["curl_mm"] >= CURLY_FROM_MM and not stubble
+    curly = _is_curly(parameters)
     stacked = np.concatenate([shell.points, shell.outward, shell.height[..., None]], axis=-1)
     sampler = _sampler("stubble" if stubble else "curly" if curly else "straight")
     sampled = sampler @ stacked.reshape(-1, 7).astype(np.float32)
@@ -118,8 +119,13 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
         centre += across * aside[..., None]
     tilt = plan.twist[:, None, None]
     half = np.cos(tilt) * across + np.sin(tilt) * _cross(tangent, across)
-    half *= plan.half_width_mm[..., None]
+    half *= (_CURLY_WIDTH if curly else 1.0) * plan.half_width_mm[..., None]
     return np.stack([centre - half, centre + half], axis=2)
+
+
+def _is_curly(parameters: Mapping[str, Any]) -> bool:
+    """Whether short hair curls; long hair waves."""
+    return bool(parameters["curl_mm"] >= CURLY_FROM_MM and parameters["hang"] == 0.0)
 
 
 def _loosen(
@@ -127,16 +133,16 @@ def _loosen(
 ) -> tuple[Singles, Singles]:
     """Curl strands and let some fly: shifts off the shell and along it, mm."""
     plan = layout()
-    curly = parameters["curl_mm"] >= CURLY_FROM_MM
+    curly = _is_curly(parameters)
     thick = np.clip(height / 4.0, 0.15, 1.0)
     off = 0.35 + parameters["flyaway_mm"] * plan.rise * thick
     off += np.clip(0.6 - height, 0.0, 2.5) * 0.8
     curl = parameters["curl_mm"] * np.clip(height / 8.0, 0.0, 1.0)
-    turns = np.linspace(0.0, 6.5 if curly else 4.5, POINTS, dtype=np.float32)[None, :]
+    turns = np.linspace(0.0, 7.0 if curly else 4.5, POINTS, dtype=np.float32)[None, :]
     turns = turns * rng.uniform(0.6, 1.4, (RIBBONS, 1)).astype(np.float32)
     turns += plan.phase[:, None]
     off += 0.5 * curl * (1 + np.cos(turns))
-    aside = curl * np.sin(turns) + 0.35 * parameters["flyaway_mm"] * plan.stray
+    aside = curl * np.sin(turns) + 0.22 * parameters["flyaway_mm"] * plan.stray
     return off, aside
 
 
@@ -177,8 +183,8 @@ def _sampler(kind: str) -> Any:
     rows = ROWS + len(BEYOND_MM)
     row = plan.stubble_row if kind == "stubble" else plan.row
     if kind == "curly":
-        end = row[:, -1:]
-        row = end + (row - end) * _CURLY_REACH
+        start = plan.stubble_row[:, :1]
+        row = np.minimum(start + (plan.stubble_row - start) * _CURLY_REACH, rows - 1.01)
     column, row = plan.column.ravel(), row.ravel()
     c0 = np.clip(column.astype(np.int64), 0, COLUMNS - 2)
     r0 = np.clip(row.astype(np.int64), 0, rows - 2)

@@ -15,7 +15,7 @@ TEXTURE_SHAPE = (128, SHELL_COLUMNS + RIBBON_COLUMNS)
 GREY_STRAND = (0.44, 0.43, 0.41)
 """Linear reflectance of a strand without pigment, in the shade of its neighbours."""
 
-_SHADE = 0.4
+_SHADE = 0.3
 
 
 def mean_colour(parameters: Mapping[str, Any]) -> NDArray[np.float64]:

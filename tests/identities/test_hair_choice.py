@@ -41,6 +41,21 @@ def test_women_wear_long_hair_more_often() -> None:
     assert share(women, LONG) > 0.5 > 0.15 > share(men, LONG)
 
 
+def test_few_women_wear_mens_cuts_and_few_men_womens() -> None:
+    women, men = draw(600, 0.1, 0.3, EUROPEAN), draw(600, 0.9, 0.3, EUROPEAN)
+    assert share(women, {"crop", "side_parting", "quiff", "slicked_back"}) <= 0.03
+    assert share(men, {"bob", "fringe", "long_straight", "long_wavy"}) <= 0.06
+
+
+def test_womens_hairlines_are_lower() -> None:
+    women, men = draw(300, 0.1, 0.0, EUROPEAN), draw(300, 0.9, 0.0, EUROPEAN)
+    high = [
+        np.mean([h["hairline_deg"] for h in people if h["style"] != "receding"])
+        for people in (women, men)
+    ]
+    assert high[0] + 2.0 < high[1]
+
+
 def test_old_men_are_bald_more_often() -> None:
     bald = {"receding", "horseshoe"}
     old, young = draw(300, 1.0, 1.0, EUROPEAN), draw(300, 1.0, 0.0, EUROPEAN)

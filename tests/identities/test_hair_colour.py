@@ -38,6 +38,14 @@ def test_a_share_of_grey_beyond_all_hairs_is_all_hairs() -> None:
     np.testing.assert_array_equal(hair_rgb(_hair(grey=0.9), grey=2.0), hair_rgb(_hair(grey=1.0)))
 
 
+def test_some_hair_is_dyed_or_born_red() -> None:
+    rng = np.random.default_rng(2)
+    asian = [sample_hair_colour(rng, age=0.2, ancestry=(0, 1, 0)) for _ in range(300)]
+    assert 0.04 < np.mean([hair["eumelanin"] < 3.2 for hair in asian]) < 0.2
+    european = [sample_hair_colour(rng, age=0.2, ancestry=(0, 0, 1)) for _ in range(300)]
+    assert 0.04 < np.mean([hair["pheomelanin"] > 0.7 for hair in european]) < 0.25
+
+
 def test_ancestry_and_age_colour_hair() -> None:
     rng = np.random.default_rng(0)
 

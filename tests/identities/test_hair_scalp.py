@@ -107,6 +107,12 @@ def test_thin_hair_lets_skin_through() -> None:
     assert thin == pytest.approx(0.3, abs=0.05)
 
 
+def test_white_roots_colour_the_skin_less() -> None:
+    crown = template().skin[template().skin[:, 1] > 90.0][None]
+    dark, white = (scalp_mask(make_hair(density=1.0, grey=g), crown).mean() for g in (0.0, 1.0))
+    assert white < 0.6 * dark
+
+
 def test_seed_decides_the_ragged_edge() -> None:
     skin = template().skin[None]
     first, again, other = (scalp_mask(make_hair(), skin, seed) for seed in (1, 1, 2))

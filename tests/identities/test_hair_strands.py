@@ -11,7 +11,7 @@ from lrsr.identities.hair_strands import (
     strand_uv,
 )
 
-FLAT = {"curl_mm": 0.0, "flyaway_mm": 0.0, "sunk_mm": 0.0, "stubble_mm": 0.0}
+FLAT = {"curl_mm": 0.0, "flyaway_mm": 0.0, "sunk_mm": 0.0, "stubble_mm": 0.0, "hang": 0.0}
 
 
 def make_wall(height_mm: float = 5.0) -> Shell:
