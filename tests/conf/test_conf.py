@@ -12,7 +12,7 @@ from lrsr.paths import config_folder
 
 FOLDER = config_folder()
 EXPERIMENTS = sorted(path.stem for path in (FOLDER / "experiment").glob("*.yaml"))
-COMMANDS = ("demo", "eval", "render", "train")
+COMMANDS = ("demo", "eval", "identities", "render", "train")
 
 
 def composed(command: str, *overrides: str) -> dict[str, object]:
