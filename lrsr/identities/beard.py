@@ -56,16 +56,18 @@ def sample_beard(rng: Generator, *, masculinity: float, asian: float, grey: floa
         Plain numbers and the kind's name.
     """
     growth = float(np.clip((masculinity - 0.55) / 0.3, 0.0, 1.0)) * (1 - 0.45 * asian)
-    kinds = np.array([0.36, 0.20, 0.09, 0.12, 0.06, 0.17 - 0.10 * asian])
+    kinds = np.array([0.34, 0.18, 0.10, 0.13, 0.06, 0.19 - 0.11 * asian])
     kind = str(rng.choice(BEARD_KINDS, p=kinds / kinds.sum())) if masculinity >= 0.6 else "none"
     long = float(np.exp(rng.normal(np.log(2.2), 0.5)))
     return {
         "kind": kind,  # type: ignore[typeddict-item] # choice() forgets which strings it was given
-        "density": float(np.clip(np.exp(rng.normal(0.0, 0.3)) * (0.55 + 0.45 * growth), 0.3, 1.6)),
+        "density": float(
+            np.clip(np.exp(rng.normal(0.1, 0.35)) * (0.55 + 0.45 * growth), 0.35, 1.8)
+        ),
         "length_mm": float(np.clip(long, 1.0, 6.0)),
         "cheek_line_mm": float(rng.uniform(-14.0, 9.0)),
         "shadow": growth * float(rng.uniform(0.1, 1.0)),
-        "patchiness": float(rng.uniform(0.15, 0.9)),
+        "patchiness": float(rng.uniform(0.1, 0.8)),
         "grey": float(rng.uniform(0.7, 1.5)) if grey > 0 else 1.0,
     }
 
@@ -189,7 +191,7 @@ def beard_strands(beard: Beard, rng: Generator) -> NDArray[np.float64]:
     Returns:
         ``(N, 4, 2)``, mm on ``JAW``.
     """
-    count = round(_STRANDS * min(1.4, beard["density"]))
+    count = round(_STRANDS * min(1.5, beard["density"]))
     root = np.stack([rng.uniform(-110.0, 110.0, count), rng.uniform(-105.0, 5.0, count)], axis=-1)
     # Most hairs where most beards grow: around the mouth and the chin.
     middle = count // (8 if beard["kind"] == "full" else 3)

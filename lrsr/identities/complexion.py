@@ -47,8 +47,7 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
 
     Args:
         rng: Source of randomness.
-        age: 0 (25 years) to 1 (old): darker circles under the eyes, uneven pigment, paler lips,
-            less blood.
+        age: 0 (25 years) to 1 (old): darker circles under the eyes, uneven pigment, paler lips.
         ancestry: ``(3,)`` shares of African, Asian and European ancestry, summing to 1.
 
     Returns:

@@ -101,8 +101,9 @@ class PigmentPainter:
         circles = np.float32(skin["dark_circles"]) * self._regions["circles"]
         melanin += np.float32(contrast) * circles
         melanin += np.float32(skin["tan"] * contrast) * self._regions["forehead"]
-        for name in ("perioral", "orbits", "sides"):
-            melanin += np.float32(skin[name] * np.sqrt(contrast)) * self._shades[name]
+        shown = contrast**0.5  # what has no edges may differ more
+        for place in ("perioral", "orbits", "sides"):
+            melanin += np.float32(skin[place] * shown) * self._shades[place]
         melanin += np.float32(np.log(skin["melanin"]))
         flush = np.zeros_like(blood)
         for name in ("cheeks", "nose", "ears", "lids", "chin", "forehead"):
@@ -148,9 +149,9 @@ def melanin_contrast(melanin: float) -> float:
 
     Example:
         >>> round(melanin_contrast(0.015), 2), round(melanin_contrast(0.24), 2)
-        (1.0, 0.23)
+        (1.0, 0.29)
     """
-    return float(min(1.0, (_EVEN_MELANIN / melanin) ** 0.7))
+    return float(min(1.0, (_EVEN_MELANIN / melanin) ** 0.6))
 
 
 def _cheeks(position: FloatMap) -> FloatMap:

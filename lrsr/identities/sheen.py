@@ -56,18 +56,13 @@ class SheenPainter:
     def __init__(self, position: FloatMap, lips: FloatMap) -> None:
         nose = blob(position, (4.0, -36.0, 20.0), (9.0, 18.0, 18.0))
         forehead = blob(position, (0.0, 46.0, 10.0), (30.0, 18.0, 40.0))
-        chin = blob(position, (0.0, -102.0, 6.0), (13.0, 9.0, 20.0))
         cheekbones = blob(position, (40.0, -21.0, -8.0), (13.0, 9.0, 25.0))
         lids = blob(position, (31.0, 4.0, 0.0), (12.0, 5.0, 20.0))
-        oily = (
-            nose
-            + forehead
-            + np.float32(0.8) * cheekbones
-            + np.float32(0.4) * chin
-            + np.float32(0.6) * lids
-        )
+        oily = nose + forehead + np.float32(0.8) * cheekbones + np.float32(0.6) * lids
         self._t_zone = np.minimum(oily, np.float32(1)) * (1 - lips)
-        self._matte = np.float32(0.04) * blob(position, (55.0, -55.0, -30.0), (18.0, 25.0, 40.0))
+        chin = blob(position, (0.0, -102.0, 6.0), (20.0, 12.0, 25.0))
+        jaws = blob(position, (55.0, -55.0, -30.0), (18.0, 25.0, 40.0))
+        self._matte = np.float32(0.04) * (jaws + chin) * (1 - lips)
         self._lips = lips
 
     def paint(self, sheen: Sheen, rng: Generator) -> FloatMap:
