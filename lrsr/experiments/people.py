@@ -25,6 +25,7 @@ from lrsr.experiments.uniqueness import (
     Gallery,
     UniquenessSettings,
     find_distinct,
+    gate_tally,
     make_roster,
     summary,
 )
@@ -116,9 +117,10 @@ def check_uniqueness(
     shown = {*findings.drawn[:SHEET]}
     shown |= {findings.drawn[k] for pair in findings.pairs for k in (pair.first, pair.second)}
     looks = _write_pictures(folder, gallery, findings.drawn, shown)
-    made_by = versions()
+    made_by, gate = versions(), gate_tally(gallery, findings.drawn)
     written = {
         **summary(findings),
+        "gate": gate,
         "distribution": spread(findings.people),
         "config": asdict(settings),
         "versions": made_by,
@@ -126,8 +128,8 @@ def check_uniqueness(
     write_json(folder / "results.json", written)
     write_json(folder / "distribution.json", written["distribution"])
     figures = _write_figures(folder, settings, findings, looks)
-    write_text(folder / FILE, _page(settings, findings, looks, figures, made_by))
-    for sentence in answer(settings, findings):
+    write_text(folder / FILE, _page(settings, findings, looks, figures, gate, made_by))
+    for sentence in (*answer(settings, findings), gate_sentence(gate)):
         logger.info("%s", sentence)
     return folder
 
@@ -155,6 +157,18 @@ def answer(settings: UniquenessSettings, findings: Findings) -> list[str]:
         done = "nobody had to be redrawn" if redrawn == 0 else f"{redrawn} redrawn for that"
         sentences.append(f"Everybody is at least {least} from everybody else; {done}.")
     return sentences
+
+
+def gate_sentence(gate: Mapping[str, Any]) -> str:
+    """Say how many people the plausibility gate drew again.
+
+    Args:
+        gate: As :func:`lrsr.identities.gate.tally` counts.
+    """
+    people, redrawn = gate["people"], gate["redrawn"]
+    said = f"{redrawn} of {people} {_noun(people)} had a face or hair drawn again as implausible"
+    left = gate["unresolved"]
+    return f"{said}; {left} could not be made plausible." if left else f"{said}."
 
 
 def _write_pictures(
@@ -220,6 +234,7 @@ def _page(
     findings: Findings,
     looks: Mapping[Drawn, Look],
     figures: Mapping[str, str | None],
+    gate: Mapping[str, Any],
     made_by: Mapping[str, str],
 ) -> str:
     small = {
@@ -230,7 +245,7 @@ def _page(
     rows = [("after redraws", found["angles_deg"]), ("first draws", found["first_angles_deg"])]
     return template("identities.html.j2").render(
         title=f"{len(findings.drawn)} {_noun(len(findings.drawn))}",
-        answer=answer(settings, findings),
+        answer=[*answer(settings, findings), gate_sentence(gate)],
         portraits=[small[one] for one in findings.drawn[:SHEET]],
         distribution_figure=figures["distribution"],
         angles_figure=figures["angles"],
@@ -250,6 +265,7 @@ def _page(
         ],
         rejected=found["rejected"][:REJECTED],
         rejected_left_out=max(0, len(found["rejected"]) - REJECTED),
+        gate=gate,
         done=DONE,
         not_done=NOT_DONE,
         settings=list(flat(_settings(settings, findings))),

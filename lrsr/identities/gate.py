@@ -5,7 +5,8 @@ person stays: sex, age, ancestry and skin are settled before, so the gate does n
 is. What came out depends on the seed alone.
 """
 
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from lrsr.identities.plausibility import Plausibility
@@ -77,4 +78,28 @@ def record(accepted: Sequence[Accepted[Any]]) -> dict[str, Any]:
         "redraws": len(failures),
         "failures": failures,
         "unresolved": [name for one in accepted for name in one.unresolved],
+    }
+
+
+def tally(records: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Count what the gate did to a set of people.
+
+    Args:
+        records: One of each, as :func:`record` writes them.
+
+    Returns:
+        JSON-serialisable: ``people``, all of them; ``redrawn``, those of whom something was drawn
+        again; ``redraws``, how often in all; ``reasons``, how many people had a draw that failed
+        each test, most frequent first; ``unresolved``, those whose last draw fails, too.
+    """
+    records = list(records)
+    reasons = Counter(
+        name for one in records for name in sorted({n for names in one["failures"] for n in names})
+    )
+    return {
+        "people": len(records),
+        "redrawn": sum(one["redraws"] > 0 for one in records),
+        "redraws": sum(one["redraws"] for one in records),
+        "reasons": dict(reasons.most_common()),
+        "unresolved": sum(bool(one["unresolved"]) for one in records),
     }

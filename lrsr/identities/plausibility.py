@@ -41,15 +41,15 @@ LIMITS: dict[str, tuple[float, float]] = {
     # Seen from below both nostrils open some 130 mm^2; a nose of 120 degrees shows half from front.
     "nose: nostrils seen from in front, mm^2": (0.0, 62.0),
     "nose: walls that cross, pairs": (0.0, 20.0),
-    # From its crease in the cheek, some 9 mm behind its widest point, to the tip a wing is 28 to
-    # 35 mm long, SD 2 (Farkas 1994).
-    "nose: tip before the wings, mm": (10.0, 34.0),
+    # From its crease in the cheek, 5 mm and more behind its widest point, to the tip a wing is 28
+    # to 35 mm long, SD 2 (Farkas 1994).
+    "nose: tip before the wings, mm": (10.0, 37.0),
     "mouth: lips pressed into each other, mm": (0.0, 3.5),
-    # Half as much again as what observers call crooked; a chin strays more than a nose can.
+    # A mouth that anybody sees to be canted; twice the stray of a chin that is called asymmetric.
     "crooked: cant of the mouth, degrees": (0.0, 5.0),
     "crooked: mouth off the middle, mm": (0.0, 5.0),
     "crooked: nose tip off the middle, mm": (0.0, 5.0),
-    "crooked: chin off the middle, mm": (0.0, 7.0),
+    "crooked: chin off the middle, mm": (0.0, 8.0),
     "skin: share of triangles turned over": (0.0, 0.002),
     "skin: share of triangles crushed": (0.0, 0.002),
     # Hair gives the crown up to 2 cm of volume; a soft edge lies flat.

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from lrsr.identities.gate import Accepted, draw_plausible, record
+from lrsr.identities.gate import Accepted, draw_plausible, record, tally
 from lrsr.identities.plausibility import Plausibility, Verdict
 
 
@@ -70,3 +70,26 @@ def test_the_record_of_a_person_adds_up_all_gates_and_is_plain() -> None:
 
 def test_the_record_of_somebody_who_passes_at_once_is_empty() -> None:
     assert record([drawn_from(2)]) == {"redraws": 0, "failures": [], "unresolved": []}
+
+
+def test_a_tally_counts_people_and_draws_and_each_reason_once_per_person() -> None:
+    people = [
+        record([drawn_from(2)]),
+        record([drawn_from(20, 30, 4)]),
+        record([drawn_from(11, 8), drawn_from(40, 12)]),
+    ]
+    written = tally(people)
+    assert json.loads(json.dumps(written)) == written
+    assert written == {
+        "people": 3,
+        "redrawn": 2,
+        "redraws": 4,
+        "reasons": {"size": 2, "odd": 1},
+        "unresolved": 1,
+    }
+    assert list(written["reasons"]) == ["size", "odd"]
+
+
+def test_a_tally_of_nobody_is_empty() -> None:
+    written = tally([])
+    assert (written["people"], written["redrawn"], written["reasons"]) == (0, 0, {})
