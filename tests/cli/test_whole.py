@@ -48,6 +48,16 @@ def test_eval_writes_results_and_report(capsys: pytest.CaptureFixture[str]) -> N
     }  # fmt: skip
 
 
+def test_identities_says_who_the_people_of_eval_are(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["identities", "+debug=smoke", "encoder=shipped", "smallest_angle_deg=0"]
+    assert main(words) == 0
+    folder = last_line(capsys)
+    rows = list(csv.DictReader((folder / "manifest.csv").read_text().splitlines()))
+    assert {row["sex"] for row in rows} <= {"female", "male"}
+    assert all(25 <= float(row["age_years"]) <= 75 for row in rows)
+    assert json.loads((folder / "distribution.json").read_text())["people"] == len(rows) == 3
+
+
 def test_multirun_gives_each_value_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["eval", "-m", "+debug=smoke", "methods=[base]", "level=0.9,0.95"]) == 0
     folders = [Path(line) for line in capsys.readouterr().out.strip().splitlines()]
