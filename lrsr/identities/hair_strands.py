@@ -30,6 +30,8 @@ _KINDS = 20
 _EDGES = 9
 _FINE = 2
 _FLYAWAY = 1
+_PARTED = 0.02
+_PARTED_REACH = 4.0
 
 
 class Layout(NamedTuple):
@@ -58,14 +60,21 @@ class Layout(NamedTuple):
 
 @lru_cache(maxsize=1)
 def layout() -> Layout:
-    """Return the fixed layout: of 20 ribbons 9 carry the edge, 2 are fine hairs past it."""
+    """Return the fixed layout of the ribbons.
+
+    Of 20 ribbons 9 carry the edge, a fine one goes past it, a fine one frays the open edge of
+    parted hair and one flies off; the others lie on the shell.
+    """
     rng = np.random.default_rng(20)
     along = np.linspace(0.0, 1.0, POINTS)[None, :]
     count = np.arange(RIBBONS)
     kind = count % _KINDS
     edge, fine = kind < _EDGES, kind >= _KINDS - _FINE
+    baby = kind == _KINDS - 1
     flyaway = (kind >= _EDGES) & (kind < _EDGES + _FLYAWAY)
     u = (count * 0.6180339887498949) % 1.0
+    open_edge = np.where(u < 0.5, _PARTED * u * 2.0, 1.0 - _PARTED * (1.0 - u) * 2.0)
+    u = np.where(baby, open_edge, u)
     last = ROWS - 1.0
     start = np.where(edge, rng.uniform(0.5, 0.92, RIBBONS), rng.uniform(0.0, 0.85, RIBBONS)) * last
     start = np.where(fine, last - rng.uniform(0.0, 4.0, RIBBONS), start)
@@ -73,6 +82,8 @@ def layout() -> Layout:
     end = np.where(fine, last + rng.uniform(0.5, 2.95, RIBBONS), end)
     body = start + rng.uniform(0.12, 0.38, RIBBONS) * last
     end = np.where(edge | fine, end, np.minimum(body, last))
+    start = np.where(baby, rng.uniform(0.0, 0.5, RIBBONS) * last, start)
+    end = np.where(baby, start + rng.uniform(3.0, 8.0, RIBBONS), end)
     row = start[:, None] + (end - start)[:, None] * along
     drift = rng.normal(0.0, 1.4, (RIBBONS, 1))
     column = np.clip(u[:, None] * (COLUMNS - 1) + drift * along, 0.0, COLUMNS - 1.001)
@@ -84,6 +95,8 @@ def layout() -> Layout:
     half = width[:, None] * np.sin(np.pi * (0.14 + 0.8 * along)) ** 0.7
     rise = rng.beta(1.2, 2.4, (RIBBONS, 1)) * np.where(flyaway, 2.2, 1.0)[:, None]
     stray = rng.normal(0.0, 1.0, (RIBBONS, 1)) * np.where(flyaway, 4.0, 1.0)[:, None]
+    towards_face = np.where(u < 0.5, -1.0, 1.0) * rng.uniform(0.2, 1.0, RIBBONS)
+    stray = np.where(baby[:, None], _PARTED_REACH * towards_face[:, None], stray)
     return Layout(
         column,
         row,

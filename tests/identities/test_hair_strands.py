@@ -89,3 +89,10 @@ def test_stubble_is_short_evenly_spread_and_stands_on_the_skin() -> None:
     assert np.percentile(np.ptp(stubble[..., 1], axis=1), 95) < 6.0
     assert 3.5 < stubble[:, -1, 2].max() < 6.0
     assert stubble[:, 0, 2].min() > 2.0
+
+
+def test_fine_hairs_fray_the_open_edge_of_parted_hair() -> None:
+    rng = np.random.default_rng(0)
+    middle = lay_strands(FLAT | {"flyaway_mm": 3.0}, make_wall(), rng).mean(axis=2)
+    assert -6.0 < middle[..., 0].min() < -1.0
+    assert 1.0 < middle[..., 0].max() - 2.0 * (COLUMNS - 1) < 6.0
