@@ -4,16 +4,18 @@ Distances are to the nearest vertex of the coarse head or, for ribbons, of the s
 them; vertices lie 2 to 7 mm apart, so distances are too large by up to half of that.
 """
 
+from collections.abc import Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lrsr.identities.basis import load_basis
+from lrsr.identities.hair_anchors import load_anchors
 from lrsr.identities.hair_paths import COLUMNS
-from lrsr.identities.hair_shell import ROWS
+from lrsr.identities.hair_shell import ROWS, lay_shell
 from lrsr.identities.hair_strands import RIBBONS
 from lrsr.identities.intersection import coarse_faces
 from lrsr.identities.template import template
@@ -45,13 +47,31 @@ class HairFit(NamedTuple):
     edge_mm: float
 
 
+def grow_shell(
+    parameters: Mapping[str, Any], skin: NDArray[np.float32], seed: int
+) -> NDArray[np.float32]:
+    """Grow the shell of a head of hair, without the ribbons and the texture, which take longer.
+
+    Args:
+        parameters: See :func:`lrsr.identities.hair.build_hair`.
+        skin: ``(V, 3)`` render vertices, mm.
+        seed: As there.
+
+    Returns:
+        The first vertices of the part "hair" that it would build, mm.
+    """
+    rng = np.random.default_rng([seed, 3])
+    shell = lay_shell(parameters, load_anchors(), skin, rng)
+    return shell.points[:, :ROWS].reshape(-1, 3).astype(np.float32)
+
+
 def measure_hair(
     hair: NDArray[np.floating], skin: NDArray[np.floating], pupils: Points, *, stands: bool = True
 ) -> HairFit:
     """Measure how hair sits on a head.
 
     Args:
-        hair: ``(N, 3)`` vertices of the part "hair", mm.
+        hair: ``(N, 3)`` vertices of the part "hair", mm, or of its shell alone.
         skin: ``(V, 3)`` render vertices of the skin, mm.
         pupils: ``(2, 3)``, mm.
         stands: Whether there is any: that of shaved heads is hidden below the skin.
@@ -61,14 +81,11 @@ def measure_hair(
     columns = hair[: COLUMNS * ROWS].reshape(COLUMNS, ROWS, 3)
     sampled = columns[::_EVERY_COLUMN, ::2]
     off = _distances(skin, sampled)
-    ribbons = hair[COLUMNS * ROWS :].reshape(-1, _ribbon_length(len(hair)), 3)[::_EVERY_RIBBON]
-    bed = np.concatenate([skin, columns[::3, ::3].reshape(-1, 3)])
-    ribbons_off = _distances(bed, ribbons[:, ::4])
     eyes, face = _before(hair, pupils, corners)
     forehead = sampled[:, -1] if stands else sampled[:0, -1]
     return HairFit(
         off_skin_mm=float(np.percentile(off.min(axis=1), 95)),
-        ribbons_off_mm=float(np.percentile(ribbons_off.min(axis=1), 99)),
+        ribbons_off_mm=_ribbons_off(hair, columns, skin),
         before_eyes=eyes,
         before_face=face,
         edge_mm=_edge_height(forehead, off[: len(forehead), -1]),
@@ -81,9 +98,16 @@ def _distances(vertices: NDArray[np.floating], lines: NDArray[np.floating]) -> P
     return np.asarray(tree.query(lines.reshape(-1, 3))[0].reshape(lines.shape[:2]))
 
 
-def _ribbon_length(n_hair: int) -> int:
-    """Vertices of one ribbon: the layout of ribbons is the same for all heads."""
-    return (n_hair - COLUMNS * ROWS) // RIBBONS
+def _ribbons_off(
+    hair: NDArray[np.floating], columns: NDArray[np.floating], skin: NDArray[np.floating]
+) -> float:
+    """How far ribbons stay off shell and skin, the 99th percentile of some; 0 without ribbons."""
+    ribbons = hair[COLUMNS * ROWS :]
+    if not len(ribbons):
+        return 0.0
+    some = ribbons.reshape(RIBBONS, -1, 3)[::_EVERY_RIBBON, ::4]
+    bed = np.concatenate([skin, columns[::3, ::3].reshape(-1, 3)])
+    return float(np.percentile(_distances(bed, some).min(axis=1), 99))
 
 
 def _before(

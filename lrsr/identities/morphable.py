@@ -21,6 +21,7 @@ from lrsr.identities.expression import Expression, find_expression
 from lrsr.identities.eyes import Eyes, eye_chart, eyeball_vertices, unit_ball
 from lrsr.identities.gate import draw_plausible, record
 from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
+from lrsr.identities.hair_fit import grow_shell
 from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
 from lrsr.identities.lashes import lash_faces, place_lashes
@@ -98,8 +99,7 @@ def _draw_person(seed: int, population: Population) -> tuple[dict[str, Any], Res
     skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
 
     def judge_hair(hair: Mapping[str, Any]) -> Plausibility:
-        grown = build_hair(hair, skin, seed).vertices
-        return check_hair(grown, skin, pupils, {"hair": hair})
+        return check_hair(grow_shell(hair, skin, seed), skin, pupils, {"hair": hair})
 
     hair = draw_plausible(lambda attempt: _draw_hair(who, attempt), judge_hair)
     gate = record([anatomy, hair])

@@ -195,7 +195,7 @@ def check_hair(
     """Judge how hair sits on a head.
 
     Args:
-        hair: ``(N, 3)`` vertices of the part "hair", mm.
+        hair: ``(N, 3)`` vertices of the part "hair", mm, or of its shell alone.
         skin: ``(V, 3)`` render vertices, mm.
         pupils: ``(2, 3)``, mm.
         parameters: Of the head; ``parameters["hair"]["sunk_mm"]`` > 0 says that there is no hair.

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from lrsr.identities.hair import STYLES, build_hair, colour_parameters, style_parameters
-from lrsr.identities.hair_fit import HairFit, measure_hair
+from lrsr.identities.hair_fit import HairFit, grow_shell, measure_hair
 from lrsr.identities.hair_paths import COLUMNS
 from lrsr.identities.hair_shell import ROWS
 from lrsr.identities.template import template
@@ -87,3 +87,15 @@ def test_an_edge_lifted_off_the_forehead_is_a_helmets() -> None:
 
 def test_a_shaved_head_has_no_edge() -> None:
     assert fit_of(grown("shaved"), stands=False).edge_mm == 0.0
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_a_shell_grown_alone_is_that_of_the_whole_hair(style: str) -> None:
+    numbers = style_parameters(style, np.random.default_rng(5)) | colour_parameters(COLOUR)
+    np.testing.assert_array_equal(grow_shell(numbers, skin(), 3), grown(style)[:SHELL])
+
+
+def test_a_shell_alone_fits_as_it_does_under_ribbons() -> None:
+    whole, shell = fit_of(grown("bob")), fit_of(grown("bob")[:SHELL])
+    assert (shell.off_skin_mm, shell.edge_mm) == (whole.off_skin_mm, whole.edge_mm)
+    assert shell.ribbons_off_mm == 0.0
