@@ -252,8 +252,10 @@ _RANGES: dict[str, dict[str, Range]] = {
     "pulled_back": _SHORT
     | {
         "crown_z_deg": (-90.0, -60.0),
-        "top_mm": (4.0, 13.0),
-        "side_mm": (3.5, 8.0),
+        "top_mm": (4.0, 11.0),
+        "side_mm": (3.0, 6.0),
+        "bun_mm": (0.0, 48.0),
+        "bun_z_deg": (-44.0, -16.0),
         "back_mm": (5.0, 10.0),
         "front_lift_mm": (0.0, 8.0),
         "taper_mm": (16.0, 28.0),
@@ -278,6 +280,8 @@ _ALL: dict[str, Range] = {
     "low_back_mm": (AT_HAIRLINE_MM, AT_HAIRLINE_MM),
     "fringe_tilt_mm": (0.0, 0.0),
     "fringe_arch_mm": (0.0, 0.0),
+    "bun_mm": (0.0, 0.0),
+    "bun_z_deg": (-30.0, -30.0),
     "sweep_mm": (0.0, 0.0),
 }
 

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.identities.hair_chart import flatten
 from lrsr.identities.hair_paths import Paths
 from lrsr.identities.hair_scalp import smoothstep
 
@@ -13,6 +14,7 @@ Floats = NDArray[np.float64]
 
 _ROOT_DEPTH_MM = 1.6
 _GONE_DEPTH_MM = 5.0
+_BUN_RADIUS_DEG = 20.0
 
 
 class Course(NamedTuple):
@@ -67,8 +69,17 @@ def _full_thickness(parameters: Mapping[str, Any], paths: Paths, course: Course)
     sides = (1.0 - back) * parameters["side_mm"] + back * parameters["back_mm"]
     lift = np.exp(-(((course.polar - 50.0) / 15.0) ** 2) - (course.azimuth / 40.0) ** 2)
     full = top * parameters["top_mm"] + (1.0 - top) * sides + parameters["front_lift_mm"] * lift
+    full = full + _bun(parameters, course)
     dip = parameters["parting_dip"] * np.exp(-((course.along / 9.0) ** 2))
     return np.asarray(full * (1.0 - dip * np.minimum(1.0, 4.0 * paths.on_parting[:, None])))
+
+
+def _bun(parameters: Mapping[str, Any], course: Course) -> Floats:
+    """Rise as a knot of hair on the back of the crown."""
+    centre = np.array([0.0, parameters["bun_z_deg"]])
+    away = np.linalg.norm(flatten(course.azimuth, course.polar) - centre, axis=-1)
+    round_ = np.clip(1.0 - (away / _BUN_RADIUS_DEG) ** 2, 0.0, 1.0) ** 0.6
+    return np.asarray(max(parameters["bun_mm"], 0.0) * round_)
 
 
 def _fade_at_tips(

@@ -65,3 +65,11 @@ def test_bald_front_of_a_horseshoe_is_sunk() -> None:
     height, _, paths = lay("horseshoe", 0.5, 70.0, bald_deg=50.0)
     assert height[np.abs(paths.azimuth) < 25.0].max() < -4.0
     assert height[np.abs(paths.azimuth) > 120.0].min() > 0.0
+
+
+def test_bun_stands_on_the_back_of_the_crown() -> None:
+    plain, _, paths = lay("pulled_back", 0.5, 30.0, bun_mm=0.0)
+    knotted, _, _ = lay("pulled_back", 0.5, 30.0, bun_mm=40.0, bun_z_deg=-30.0)
+    rise, away = knotted - plain, np.abs(paths.azimuth)
+    assert rise[away > 178.0].max() == pytest.approx(40.0, abs=1.0)
+    assert rise[away < 90.0].max() == 0.0
