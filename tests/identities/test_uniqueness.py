@@ -117,6 +117,13 @@ def test_the_closest_pairs_are_those_of_the_smallest_angles(count: int) -> None:
     assert [pair.angle_deg for pair in found] == pytest.approx(angles[order], abs=1e-3)
 
 
+def test_the_last_of_many_people_are_found_too() -> None:
+    rows = people(600)
+    rows[590] = 2 * rows[550]
+    (pair,) = closest_pairs(rows, 1)
+    assert (pair.first, pair.second) == (550, 590)
+
+
 def test_pairs_keep_their_numbers_when_somebody_was_not_found() -> None:
     (pair,) = closest_pairs([[1.0, 0, 0], NOBODY, [1.0, 0, 1.0]], 5)
     assert (pair.first, pair.second) == (0, 2)
