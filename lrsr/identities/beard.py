@@ -100,7 +100,7 @@ def beard_zones(position: NDArray[Any], lips: FloatMap) -> dict[str, FloatMap]:
     """
     x = np.abs(position[..., 0])
     y, z = position[..., 1], position[..., 2]
-    bare = (1 - lips) ** 2 * smoothstep(-104.0, -92.0, z)  # sparse along the vermilion
+    bare = (1 - lips) ** 1.2 * smoothstep(-104.0, -92.0, z)  # sparse along the vermilion
     # Over the lip: between nose and vermilion, drooping a little beyond the corners.
     top = -50.5 - 0.010 * x**2
     moustache = smoothstep(2.0, -5.0, y - top) * smoothstep(-80.0, -72.0, y)
