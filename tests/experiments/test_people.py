@@ -1,4 +1,5 @@
 import csv
+import html
 import io
 import json
 import math
@@ -14,7 +15,7 @@ from matplotlib.image import imread
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
-from lrsr.experiments.people import answer, check_uniqueness
+from lrsr.experiments.people import answer, check_uniqueness, gate_sentence
 from lrsr.experiments.portraits import GAP_PX, LINE_PX
 from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
 from lrsr.experiments.uniqueness import Findings, UniquenessSettings
@@ -302,3 +303,32 @@ def test_an_answer_says_who_was_redrawn(
 ) -> None:
     found = findings([30.0, 40.0, 50.0], outcome=outcome)
     assert answer(replace(SETTINGS, **settings), found)[1].endswith(says)
+
+
+@pytest.mark.parametrize(
+    ("people", "redrawn", "unresolved", "says"),
+    [
+        (1, 0, 0, "0 of 1 person had a face or hair drawn again as implausible."),
+        (7, 2, 0, "2 of 7 people had a face or hair drawn again as implausible."),
+        (
+            7,
+            2,
+            1,
+            "2 of 7 people had a face or hair drawn again as implausible; 1 could not be made"
+            " plausible.",
+        ),
+    ],
+    ids=["one", "some", "unresolved"],
+)
+def test_a_sentence_says_whose_face_or_hair_was_drawn_again(
+    people: int, redrawn: int, unresolved: int, says: str
+) -> None:
+    gate = {"people": people, "redrawn": redrawn, "unresolved": unresolved}
+    assert gate_sentence(gate) == says
+
+
+def test_results_and_report_tell_of_the_gate(page: str, results: dict[str, Any]) -> None:
+    assert results["gate"]["people"] == 7
+    assert gate_sentence(results["gate"]) in page[: page.index("<h2>")]
+    told = html.unescape(page)
+    assert all(f'<th scope="row">{reason}</th>' in told for reason in results["gate"]["reasons"])

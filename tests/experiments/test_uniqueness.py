@@ -25,14 +25,17 @@ from lrsr.experiments.uniqueness import (
     Gallery,
     UniquenessSettings,
     find_distinct,
+    gate_tally,
     make_roster,
     summary,
     uniqueness_settings,
 )
 from lrsr.experiments.verification import Verification
-from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.gate import tally
+from lrsr.identities.morphable import RECIPE_VERSION, sample_parameters
 from lrsr.identities.population import Population
 from lrsr.identities.roster import Roster, write_roster
+from lrsr.identities.splits import identity_seed
 from lrsr.paths import config_folder
 from lrsr.recognition import Engine
 
@@ -215,6 +218,16 @@ def test_no_smallest_angle_describes_everybody_as_drawn(tmp_path: Path, tone_mod
     assert set(findings.outcome.draws) == {0}
     (first, second) = (findings.pairs[0].first, findings.pairs[0].second)
     assert (first, second) == (2, 5)
+
+
+def test_the_gate_is_asked_about_the_people_who_are_left(tmp_path: Path, tone_model: Path) -> None:
+    people = IdentityRange(count=3, sex="female")
+    made = gallery(tmp_path, tone_model, TwinMaker(), replace(SETTINGS, identities=people))
+    women = [
+        sample_parameters(identity_seed("test", *one), population=Population("female"))["gate"]
+        for one in [(0, 0), (1, 2)]
+    ]
+    assert gate_tally(made, [(0, 0), (1, 2)]) == tally(women)
 
 
 @pytest.mark.parametrize(
