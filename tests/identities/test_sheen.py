@@ -63,7 +63,7 @@ def test_skin_is_within_the_limits_and_noses_and_lips_are_glossier(age: float) -
 
 
 def test_lobes_are_of_the_width_that_was_measured_on_people() -> None:
-    # Weyrich et al. 2006, section 6: slopes of about 0.2 to 0.35; the relief widens them further.
+    # Slopes of about 0.2 to 0.35, as Weyrich et al. 2006 are quoted in the docstring.
     alpha = np.array([_sample(seed)["roughness"] for seed in range(400)]) ** 2
     assert 0.18 < np.median(alpha) < 0.36
 

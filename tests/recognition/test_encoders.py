@@ -51,7 +51,7 @@ def test_an_unknown_encoder_is_refused_with_those_there_are() -> None:
 def test_every_encoder_has_a_smallest_angle() -> None:
     assert get_args(EncoderName) == ENCODERS
     assert set(SMALLEST_ANGLE_DEG) == set(ENCODERS) - {"auto"}
-    assert SMALLEST_ANGLE_DEG["dlib"] == 11.2  # figure 13 of the paper
+    assert SMALLEST_ANGLE_DEG["dlib"] == 11.2  # the smallest of the paper
 
 
 def test_the_shipped_encoder_embeds_with_rows_of_length_one() -> None:
