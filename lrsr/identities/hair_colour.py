@@ -40,12 +40,14 @@ def sample_hair_colour(rng: Generator, *, age: float, ancestry: ArrayLike) -> Ha
         Plain numbers; eumelanin 0.2 is fair, 1.3 brown, 7 black.
     """
     african, asian, european = np.asarray(ancestry, dtype=np.float64)
-    mean = african * np.log(7.0) + asian * np.log(6.0) + european * np.log(1.1)
+    mean = african * np.log(7.0) + asian * np.log(6.0) + european * np.log(0.95)
     spread = 0.3 + 0.75 * european
     eumelanin = np.exp(rng.normal(mean, spread))
     pheomelanin = 0.15 * np.exp(rng.normal(0.0, 0.7))
     if rng.random() < 0.1 * european**2:
         eumelanin, pheomelanin = rng.uniform(0.08, 0.5), rng.uniform(0.7, 1.6)
+    elif rng.random() < 0.2 * european**2:
+        eumelanin = np.exp(rng.uniform(np.log(0.1), np.log(0.5)))
     elif rng.random() < _DYED * (1.0 - african):
         eumelanin, pheomelanin = _dye(rng, eumelanin)
     onset = 0.66 - 0.08 * european

@@ -238,6 +238,7 @@ _RANGES: dict[str, dict[str, Range]] = {
         "fringe_tilt_mm": (-10.0, 10.0),
         "fringe_arch_mm": (-2.0, 22.0),
         "sweep_mm": (-16.0, 16.0),
+        "side_mm": (7.0, 17.0),
         "sway_mm": (0.5, 3.0),
         "low_side_mm": (-220.0, -70.0),
         "low_back_mm": (-220.0, -80.0),
