@@ -26,6 +26,7 @@ from lrsr.identities.head import Head, Part
 from lrsr.identities.iris import paint_eye
 from lrsr.identities.lashes import lash_faces, place_lashes
 from lrsr.identities.lids import clear_lids, lid_margins
+from lrsr.identities.mildness import draws_averaged, mean_anatomy
 from lrsr.identities.mouth import JAW_UNITS, build_mouth, cavity, lining
 from lrsr.identities.plausibility import Plausibility, check_face, check_hair
 from lrsr.identities.population import EVERYBODY, OLDEST_YEARS, YOUNGEST_YEARS, Population
@@ -129,7 +130,12 @@ def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
 def _draw_face(who: Mapping[str, Any], attempt: int) -> tuple[Anatomy, RestingFace]:
     names, masculinity, age = load_basis().names, who["masculinity"], who["age"]
     rng = stream(who["seed"], "anatomy", attempt)
-    anatomy = sample_anatomy(names, load_gauge(), rng, masculinity=masculinity, age=age)
+    anatomy = mean_anatomy(
+        [
+            sample_anatomy(names, load_gauge(), rng, masculinity=masculinity, age=age)
+            for _ in range(draws_averaged(attempt))
+        ]
+    )
     weights = coefficients(
         names, anatomy, masculinity=masculinity, age=age, ancestry=who["ancestry"]
     )
