@@ -47,8 +47,8 @@ class FeaturePainter:
         self._contact = regions.lip_contact(position) * self._lips
         self._cheeks = regions.blob(position, _CHEEKBONE_MM, (13.0, 8.0, 30.0)) * self._front
         self._lids = regions.blood_regions(position)["lids"]
-        self._liner = regions.lid_margin(face_pixels, 2.4, upper=True) * self._front
-        self._lash_line = regions.lid_margin(face_pixels, 1.6, upper=True) * self._front
+        self._liner = regions.lid_margin(face_pixels, 2.8, upper=True) * self._front
+        self._lash_line = regions.lid_margin(face_pixels, 1.9, upper=True) * self._front
         cheek = self._cheeks > np.float32(0.8)
         self._skin_sample = tuple(index[::16] for index in np.nonzero(cheek))
         self._brow_pixels = eyebrows.CANVAS.to_pixels(position)
@@ -68,7 +68,7 @@ class FeaturePainter:
             make_up: What a person wears.
         """
         # Darker skin wears darker make-up: pale colours would look like chalk.
-        depth = min(1.0, 0.35 + 2.6 * float(albedo[self._skin_sample].mean()))
+        depth = min(1.0, 0.2 + 3.2 * float(albedo[self._skin_sample].mean()))
         if make_up["lipstick"] > 0:
             opacity = np.float32(make_up["lipstick"]) * self._lips
             opacity *= 1 - np.float32(0.4) * self._contact

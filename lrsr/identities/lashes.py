@@ -38,8 +38,8 @@ def sample_lashes(rng: Generator, *, masculinity: float) -> Lashes:
     """
     m = float(masculinity)
     return {
-        "length_mm": float(np.clip(rng.normal(8.6 - 2.4 * m, 0.9), 4.0, 11.0)),
-        "width_mm": float(np.clip(rng.normal(0.17 - 0.06 * m, 0.03), 0.06, 0.26)),
+        "length_mm": float(np.clip(rng.normal(9.2 - 3.0 * m, 0.9), 4.0, 11.5)),
+        "width_mm": float(np.clip(rng.normal(0.21 - 0.10 * m, 0.03), 0.06, 0.28)),
         "curl": float(rng.uniform(0.55, 1.0)),
         "lower": float(rng.uniform(0.35, 0.55)),
     }

@@ -19,7 +19,7 @@ MARGIN_POINTS = 32
 
 _MARGIN = 0.995  # where lid and eye meet on the template, in radii
 _FRONT = 0.4  # the margin lies before this, in radii: behind it skin and sphere meet again
-_RANGE_MM = (2.6, 4.7)
+_RANGE_MM = (2.8, 5.1)
 """How high the upper lid of a resting eye stands over the pupil, mm: margin reflex distances of
 adults are 4 to 5 mm, below 2.5 mm a lid droops, above 5.5 mm it is retracted."""
 _SOFTNESS_MM = 0.6

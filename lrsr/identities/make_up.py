@@ -6,19 +6,19 @@ import numpy as np
 from numpy.random import Generator
 
 LIPSTICKS = {
-    "nude": (0.40, 0.19, 0.15),
-    "rose": (0.42, 0.15, 0.15),
-    "mauve": (0.34, 0.13, 0.15),
-    "coral": (0.45, 0.16, 0.11),
-    "brick": (0.30, 0.09, 0.07),
-    "red": (0.36, 0.045, 0.05),
-    "berry": (0.20, 0.04, 0.06),
-    "plum": (0.16, 0.05, 0.07),
+    "nude": (0.30, 0.115, 0.090),
+    "rose": (0.34, 0.095, 0.095),
+    "mauve": (0.26, 0.080, 0.088),
+    "coral": (0.38, 0.110, 0.075),
+    "brick": (0.24, 0.060, 0.045),
+    "red": (0.33, 0.040, 0.045),
+    "berry": (0.19, 0.035, 0.055),
+    "plum": (0.14, 0.040, 0.055),
 }
 """Colours on fair skin, linear sRGB; most people choose one near that of their lips."""
 
 _LIPSTICK_SHARES = (0.22, 0.24, 0.16, 0.11, 0.13, 0.06, 0.05, 0.03)
-_EYESHADOWS = ((0.10, 0.05, 0.035), (0.06, 0.06, 0.08), (0.22, 0.09, 0.10))
+_EYESHADOWS = ((0.09, 0.045, 0.03), (0.05, 0.045, 0.055), (0.16, 0.07, 0.075))
 
 
 class Lips(TypedDict):
@@ -54,10 +54,10 @@ def sample_lips(rng: Generator, *, masculinity: float, melanin: float) -> Lips:
         Plain numbers.
     """
     dark = float(np.clip(np.log(melanin / 0.03) / 2.0, 0.0, 1.0))
-    least, most = 0.85 - 0.50 * masculinity, 1.75 - 0.65 * masculinity
+    least, most = 1.15 - 0.65 * masculinity, 2.10 - 0.80 * masculinity
     return {
         "blood": float(rng.uniform(least, most)) * (1 - 0.25 * dark),
-        "melanin": float(rng.uniform(0.0, 0.30)) + dark * float(rng.uniform(-0.25, 0.35)),
+        "melanin": float(rng.uniform(0.0, 0.32)) + dark * float(rng.uniform(-0.25, 0.35)),
     }
 
 
@@ -75,10 +75,10 @@ def sample_make_up(rng: Generator, *, masculinity: float) -> MakeUp:
     shade = list(LIPSTICKS.values())[rng.choice(len(LIPSTICKS), p=_LIPSTICK_SHARES)]
     tint = np.exp(rng.normal(0.0, 0.12, 3))
     return {
-        "lipstick": float(rng.uniform(0.20, 0.65)) if rng.random() < 0.50 * wears else 0.0,
+        "lipstick": float(rng.uniform(0.25, 0.75)) if rng.random() < 0.65 * wears else 0.0,
         "lipstick_colour": [float(channel) for channel in np.asarray(shade) * tint],
-        "eyeliner": float(rng.uniform(0.20, 0.75)) if rng.random() < 0.50 * wears else 0.0,
-        "eyeshadow": float(rng.uniform(0.12, 0.40)) if rng.random() < 0.30 * wears else 0.0,
+        "eyeliner": float(rng.uniform(0.45, 0.95)) if rng.random() < 0.95 * wears else 0.0,
+        "eyeshadow": float(rng.uniform(0.15, 0.55)) if rng.random() < 0.60 * wears else 0.0,
         "eyeshadow_colour": list(_EYESHADOWS[rng.integers(len(_EYESHADOWS))]),
         "blush": float(rng.uniform(0.08, 0.24)) if rng.random() < 0.40 * wears else 0.0,
     }

@@ -20,10 +20,10 @@ AGES = ("young", "old")
 RACES = ("african", "asian", "caucasian")
 LEVELS = ("min", "average", "max")
 
-SHAPE_GAIN = 1.3
+SHAPE_GAIN = 1.4
 """Widens all local variation, so that real recognisers tell the people apart; more looks like
 caricature."""
-ANCESTRY_GAIN = 1.4
+ANCESTRY_GAIN = 1.8
 """Exaggerates a mix of ancestries about the equal one."""
 ASYMMETRY = 0.22 * 1.2
 
@@ -87,30 +87,38 @@ AGE_SLIDERS = {
 """What age adds to a slider, per unit of age beyond 0.3; the sign is the direction."""
 
 SEX_SLIDERS = {
-    "chin/chin-width-decr-incr": 0.3,
-    "chin/chin-bones-decr-incr": 0.3,
-    "chin/chin-height-decr-incr": 0.12,
+    "chin/chin-width-decr-incr": 0.45,
+    "chin/chin-bones-decr-incr": 0.35,
+    "chin/chin-height-decr-incr": 0.25,
     "chin/chin-prominent-decr-incr": 0.2,
     "cheek/cheek-bones-decr-incr": -0.2,
-    "eyes/eye-scale-decr-incr": -0.2,
+    "eyes/eye-scale-decr-incr": -0.45,
+    "eyes/eye-height2-decr-incr": -0.3,
     "eyebrows/eyebrows-trans-backward-forward": 0.3,
-    "eyebrows/eyebrows-trans-down-up": -0.25,
+    "eyebrows/eyebrows-trans-down-up": -0.55,
     "mouth/mouth-upperlip-height-decr-incr": -0.2,
     "mouth/mouth-lowerlip-height-decr-incr": -0.2,
     "neck/neck-scale-horiz-decr-incr": 0.3,
     "neck/neck-scale-depth-decr-incr": 0.3,
-    "nose/nose-scale-vert-decr-incr": 0.12,
-    "nose/nose-width2-decr-incr": 0.2,
-    "nose/nose-width1-decr-incr": 0.15,
+    "nose/nose-scale-vert-decr-incr": 0.2,
+    "nose/nose-width2-decr-incr": 0.35,
+    "nose/nose-width1-decr-incr": 0.3,
+    "nose/nose-scale-horiz-decr-incr": 0.2,
+    "nose/nose-volume-decr-incr": 0.25,
+    "nose/nose-point-width-decr-incr": 0.2,
 }
 """What being a man (+1) or a woman (-1) adds to a slider, beyond MakeHuman's own difference."""
 COMMON_SLIDERS = {
-    "eyes/eye-scale-decr-incr": 0.7,
+    "eyes/eye-scale-decr-incr": 0.85,
     "eyes/eye-push2-in-out": 0.9,
     "eyes/eye-push1-in-out": -0.2,
-    "eyes/eye-height2-decr-incr": 0.25,
+    "eyes/eye-height2-decr-incr": 0.4,
     "ears/ear-scale-decr-incr": -0.35,
-    "head/head-scale-horiz-decr-incr": -0.1,
+    "head/head-scale-horiz-decr-incr": -0.25,
+    "nose/nose-scale-vert-decr-incr": -0.2,
+    "nose/nose-scale-horiz-decr-incr": -0.1,
+    "nose/nose-volume-decr-incr": -0.25,
+    "nose/nose-point-width-decr-incr": -0.15,
     "head/head-fat-decr-incr": -0.3,
     "chin/chin-bones-decr-incr": -0.15,
     "neck/neck-scale-horiz-decr-incr": -0.7,
@@ -228,7 +236,7 @@ def sample_anatomy(
     asymmetry = np.clip(rng.normal(0.0, ASYMMETRY, len(sides)), -0.6, 0.6)
     return {
         "muscle": float(rng.uniform(0.22, 0.5 + 0.25 * masculinity)),
-        "weight": float(np.clip(rng.normal(0.5, 0.26), 0.05, 0.95)),
+        "weight": float(np.clip(rng.normal(0.5, 0.3), 0.04, 0.96)),
         "head_shapes": dict(
             zip(shapes, (amount * rng.dirichlet([0.3] * len(shapes))).tolist(), strict=True)
         ),
