@@ -92,7 +92,7 @@ class ProbeDataModule(LightningDataModule):
         camera: Camera | None = None,
         cache: str | Path | None = None,
         samples_per_pixel: int = 2048,
-        texture_size: int = 512,
+        texture_size: int = 1024,
         skin: str = "reflective",
         max_depth: int = 5,
         batch_size: int = 128,

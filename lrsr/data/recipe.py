@@ -51,7 +51,7 @@ class ProbeRecipe:
     scale: int = 1
     samples_per_pixel: int = 2048
     seed: int = 0
-    texture_size: int = 512
+    texture_size: int = 1024
     skin: str = "reflective"
     max_depth: int = 5
     population: Population = EVERYBODY

@@ -76,7 +76,7 @@ class RenderSettings:
     png16: bool = False
     camera: Camera | None = None
     samples_per_pixel: int = 2048
-    texture_size: int = 512
+    texture_size: int = 1024
     skin: str = "reflective"
     max_depth: int = 5
     seed: int = 0

@@ -44,7 +44,7 @@ class RenderingSettings:
     skin: str = "reflective"
     samples_per_pixel: int = 512
     max_depth: int = 5
-    texture_size: int = 512
+    texture_size: int = 1024
 
     def __post_init__(self) -> None:
         for key in ("samples_per_pixel", "max_depth", "texture_size"):

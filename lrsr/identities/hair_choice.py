@@ -121,6 +121,8 @@ def _style_weights(
         weights[style] *= 0.1 + 2.4 * age
     for style in ("pixie", "bob"):
         weights[style] *= 1.0 + 0.7 * age
+    for style in ("fringe", "long_straight"):
+        weights[style] *= 1.3 - 0.9 * age
     for style in ("quiff", "curtain", "afro", "long_wavy"):
         weights[style] *= 1.3 - age
     values: NDArray[np.float64] = np.array([weights[s] for s in STYLES])

@@ -51,17 +51,17 @@ def sample_lines(rng: Generator, *, age: float) -> Lines:
     Returns:
         Plain numbers.
     """
-    worn = 1.25 * max(0.0, age - 0.08) ** 1.1
+    worn = 1.7 * max(0.0, age - 0.08) ** 1.1
 
     def depth(share: float) -> float:
-        return float(min(1.4, share * worn * np.exp(rng.normal(0.0, 0.4))))
+        return float(min(1.7, share * worn * np.exp(rng.normal(0.0, 0.45))))
 
     return {
         "forehead": depth(1.0),
         "glabella": depth(0.9),
         "crows_feet": depth(1.1),
         "under_eye": depth(1.0),
-        "nasolabial": float(min(1.2, 0.06 + rng.uniform(0.0, 0.15) + depth(0.8))),
+        "nasolabial": float(min(1.5, 0.06 + rng.uniform(0.0, 0.15) + depth(0.8))),
         "marionette": depth(0.8),
         "forehead_count": int(rng.integers(2, 6)),
         "paths_seed": int(rng.integers(1 << 31)),

@@ -37,7 +37,7 @@ from lrsr.identities.resting import RestingFace, act, rest_face
 from lrsr.identities.shape import RACES, Anatomy, coefficients, sample_anatomy
 from lrsr.identities.template import template
 
-RECIPE_VERSION = "5"
+RECIPE_VERSION = "6"
 """Changes whenever the same seed would give other pixels."""
 
 STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")
@@ -224,7 +224,7 @@ def _make_mouth(rest: BaseHead, acting: NDArray[np.float64], parameters: Mapping
 def sample_head(
     seed: int,
     *,
-    texture_size: int = 512,
+    texture_size: int = 1024,
     population: Population = EVERYBODY,
     expression: str | Expression = "neutral",
 ) -> Head:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from lrsr.identities.basis import BaseHead, Basis, load_basis
 
 X, Y, Z = 0, 1, 2
-LIMIT_SD = 2.1
+LIMIT_SD = 1.9
 """Measures saturate softly towards this many standard deviations."""
 STEPS = 3
 

@@ -20,22 +20,22 @@ AGES = ("young", "old")
 RACES = ("african", "asian", "caucasian")
 LEVELS = ("min", "average", "max")
 
-SHAPE_GAIN = 1.4
+SHAPE_GAIN = 1.9
 """Widens all local variation, so that real recognisers tell the people apart; more looks like
 caricature."""
-ANCESTRY_GAIN = 1.8
+ANCESTRY_GAIN = 1.6
 """Exaggerates a mix of ancestries about the equal one."""
 ASYMMETRY = 0.22 * 1.2
 
 REGION_WIDTH = {
-    "head": 0.35,
+    "head": 0.32,
     "forehead": 0.45,
     "eyebrows": 0.65,
     "eyes": 0.75,
     "nose": 0.62,
     "mouth": 0.5,
-    "cheek": 0.5,
-    "chin": 0.5,
+    "cheek": 0.38,
+    "chin": 0.42,
     "ears": 0.4,
     "neck": 0.25,
 }
@@ -46,6 +46,8 @@ DAMPING = {
     "nose-flaring": 0.5,
     "nose-point-down-up": 0.5,
     "nose-nostrils-width": 0.6,
+    "nose-scale-depth": 0.7,
+    "nose-width3": 0.7,
     "eye-scale": 0.8,
     "eye-height2": 0.8,
     "eye-push1": 0.8,
@@ -74,11 +76,11 @@ DAMPING = {
 """Sliders whose extremes look odd before others do: the factor on their width, by name's start."""
 
 AGE_SLIDERS = {
-    "head/head-age-decr-incr": 0.9,
-    "eyes/eye-bag-decr-incr": 0.9,
-    "cheek/cheek-trans-down-up": -0.6,
+    "head/head-age-decr-incr": 1.2,
+    "eyes/eye-bag-decr-incr": 1.1,
+    "cheek/cheek-trans-down-up": -0.75,
     "eyes/eye-eyefold-down-up": -0.6,
-    "mouth/mouth-laugh-lines-in-out": 0.6,
+    "mouth/mouth-laugh-lines-in-out": 0.75,
     "neck/neck-double-decr-incr": 0.6,
     "ears/ear-lobe-decr-incr": 0.5,
     "mouth/mouth-upperlip-height-decr-incr": -0.5,
@@ -90,11 +92,11 @@ SEX_SLIDERS = {
     "chin/chin-width-decr-incr": 0.45,
     "chin/chin-bones-decr-incr": 0.35,
     "chin/chin-height-decr-incr": 0.25,
-    "chin/chin-prominent-decr-incr": 0.2,
+    "chin/chin-prominent-decr-incr": 0.3,
     "cheek/cheek-bones-decr-incr": -0.2,
-    "eyes/eye-scale-decr-incr": -0.45,
+    "eyes/eye-scale-decr-incr": -0.3,
     "eyes/eye-height2-decr-incr": -0.3,
-    "eyebrows/eyebrows-trans-backward-forward": 0.3,
+    "eyebrows/eyebrows-trans-backward-forward": 0.1,
     "eyebrows/eyebrows-trans-down-up": -0.55,
     "mouth/mouth-upperlip-height-decr-incr": -0.2,
     "mouth/mouth-lowerlip-height-decr-incr": -0.2,
@@ -103,49 +105,63 @@ SEX_SLIDERS = {
     "nose/nose-scale-vert-decr-incr": 0.2,
     "nose/nose-width2-decr-incr": 0.35,
     "nose/nose-width1-decr-incr": 0.3,
-    "nose/nose-scale-horiz-decr-incr": 0.2,
-    "nose/nose-volume-decr-incr": 0.25,
+    "nose/nose-scale-horiz-decr-incr": 0.26,
+    "nose/nose-width3-decr-incr": 0.1,
+    "nose/nose-volume-decr-incr": 0.4,
     "nose/nose-point-width-decr-incr": 0.2,
+    "nose/nose-scale-depth-decr-incr": 0.12,
+    "nose/nose-point-down-up": -0.12,
+    "head/head-age-decr-incr": 0.25,
+    "head/head-scale-horiz-decr-incr": -0.2,
+    "head/head-fat-decr-incr": -0.12,
+    "mouth/mouth-angles-down-up": -0.2,
+    "cheek/cheek-inner-decr-incr": -0.2,
 }
 """What being a man (+1) or a woman (-1) adds to a slider, beyond MakeHuman's own difference."""
 COMMON_SLIDERS = {
-    "eyes/eye-scale-decr-incr": 0.85,
+    "eyes/eye-scale-decr-incr": 0.8,
     "eyes/eye-push2-in-out": 0.9,
     "eyes/eye-push1-in-out": -0.2,
     "eyes/eye-height2-decr-incr": 0.4,
     "ears/ear-scale-decr-incr": -0.35,
-    "head/head-scale-horiz-decr-incr": -0.25,
+    "head/head-scale-horiz-decr-incr": -0.05,
     "nose/nose-scale-vert-decr-incr": -0.2,
-    "nose/nose-scale-horiz-decr-incr": -0.1,
-    "nose/nose-volume-decr-incr": -0.25,
+    "nose/nose-scale-horiz-decr-incr": -0.14,
+    "nose/nose-scale-depth-decr-incr": -0.05,
+    "nose/nose-width3-decr-incr": -0.05,
+    "nose/nose-flaring-decr-incr": 0.2,
+    "nose/nose-volume-decr-incr": -0.4,
     "nose/nose-point-width-decr-incr": -0.15,
-    "head/head-fat-decr-incr": -0.3,
+    "nose/nose-point-down-up": 0.05,
+    "head/head-age-decr-incr": -0.2,
+    "cheek/cheek-inner-decr-incr": 0.2,
+    "head/head-fat-decr-incr": -0.2,
     "chin/chin-bones-decr-incr": -0.15,
     "neck/neck-scale-horiz-decr-incr": -0.7,
-    "mouth/mouth-angles-down-up": 0.15,
+    "mouth/mouth-angles-down-up": 0.3,
 }
 """What everybody has, so that the average of each sex has the proportions that were measured on
 people (Farkas 1994): MakeHuman's eyes are a quarter too small, its ears too large, its jaws and
 necks too wide, its mouths a little sad."""
 
 RESTING_UNITS = {
-    "browInnerUp": 0.08,
-    "browDown": 0.14,
-    "browOuterUp": 0.2,
-    "cheekSquint": 0.2,
-    "eyeSquint": 0.4,
+    "browInnerUp": 0.1,
+    "browDown": 0.1,
+    "browOuterUp": 0.24,
+    "cheekSquint": 0.25,
+    "eyeSquint": 0.45,
     "eyeBlink": 0.25,
     "mouthDimple": 0.2,
     "mouthFrown": 0.05,
-    "mouthPress": 0.25,
-    "mouthPucker": 0.15,
+    "mouthPress": 0.3,
+    "mouthPucker": 0.2,
     "mouthShrugLower": 0.08,
-    "mouthSmile": 0.3,
+    "mouthSmile": 0.38,
     "noseSneer": 0.12,
     "jawForward": 0.15,
 }
 """Face units of a resting face and the width of their strength."""
-EXPRESSION_SHARE = 0.45
+EXPRESSION_SHARE = 0.55
 
 
 class Anatomy(TypedDict):

@@ -71,7 +71,7 @@ class FaceSettings(Casting):
     small_samples: int = 96
     validation_identities: int = 60
     validation_samples: int = 256
-    texture_size: int = 512
+    texture_size: int = 1024
     skin: str = "reflective"
     max_depth: int = 5
     antialias: bool = True
