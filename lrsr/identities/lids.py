@@ -23,6 +23,7 @@ _RANGE_MM = (2.8, 5.1)
 """How high the upper lid of a resting eye stands over the pupil, mm: margin reflex distances of
 adults are 4 to 5 mm, below 2.5 mm a lid droops, above 5.5 mm it is retracted."""
 _SOFTNESS_MM = 0.6
+_OVERLAP_MM = 0.8  # of the lids of a closed eye, above and below the pupil
 _PUPIL_MM = 4.0  # the lid is measured above the pupil and this far to its sides
 
 
@@ -167,17 +168,47 @@ def lid_heights(basis: Basis, weights: Points, lids: Lids) -> Points:
     Returns:
         ``(2,)``, mm, left in the image first.
     """
-    head = basis.shape(weights)
-    eyes = find_eyes(basis, head)
-    matrix = basis.surface.matrix
-    rows = np.unique(np.concatenate([upper.ravel() for upper, _ in lids.margins]))
-    points = np.zeros((matrix.shape[0], 3))
-    points[rows] = matrix[rows] @ head.skin
+    points, eyes = _shaped(basis, weights, lids)
     heights = []
     for which, pupil in enumerate(eyes.pupils):
         offset = _margin(points, eyes, lids, which, 0) - pupil
         heights.append(offset[np.abs(offset[:, 0]) < _PUPIL_MM, 1].max(initial=-np.inf))
     return np.asarray(np.nan_to_num(heights, neginf=sum(_RANGE_MM) / 2))
+
+
+def _shaped(basis: Basis, weights: Points, lids: Lids) -> tuple[Points, Eyes]:
+    """Shape the eyes, and of the skin the margins of the lids alone; the rest is 0."""
+    head, matrix = basis.shape(weights), basis.surface.matrix
+    rows = np.unique(np.concatenate([lid.ravel() for both in lids.margins for lid in both]))
+    points = np.zeros((matrix.shape[0], 3))
+    points[rows] = matrix[rows] @ head.skin
+    return points, find_eyes(basis, head)
+
+
+def closing_strengths(basis: Basis, weights: Points, lids: Lids) -> Points:
+    """Find how strong the units "eyeBlinkRight" and "eyeBlinkLeft" must be to close the eyes.
+
+    Args:
+        basis: The shape space, with both units.
+        weights: ``(K,)`` coefficients of a face at rest.
+        lids: As :func:`find_lids` found them on the template, with margins.
+
+    Returns:
+        ``(2,)``, left in the image first; 1, or more for eyes that are larger than MakeHuman's.
+    """
+    gaps = []
+    for strength in (1.0, 1.2):
+        closed = weights.copy()
+        closed[_blink_columns(basis)] = strength
+        margins = lid_margins(*_shaped(basis, closed, lids), lids)
+        apart = margins[:, 0, :, 1] - margins[:, 1, :, 1]
+        gaps.append(apart[:, MARGIN_POINTS // 3 : -(MARGIN_POINTS // 3)].max(axis=1))
+    travel = np.maximum(gaps[0] - gaps[1], 1.0) / 0.2
+    return np.asarray(1.0 + np.clip((gaps[0] + _OVERLAP_MM) / travel, 0.0, 1.0))
+
+
+def _blink_columns(basis: Basis) -> list[int]:
+    return [basis.column[f"unit/eyeBlink{side}"] for side in ("Right", "Left")]
 
 
 def rest_lids(basis: Basis, weights: Points, lids: Lids) -> Points:
@@ -193,7 +224,7 @@ def rest_lids(basis: Basis, weights: Points, lids: Lids) -> Points:
     Returns:
         Coefficients of the same face with other strengths of the two units.
     """
-    units = [basis.column[f"unit/eyeBlink{side}"] for side in ("Right", "Left")]
+    units = _blink_columns(basis)
     closed = weights.copy()
     closed[units] += 0.2
     heights = lid_heights(basis, weights, lids)

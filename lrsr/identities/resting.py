@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lrsr.identities.basis import BaseHead, load_basis
 from lrsr.identities.expression import Expression
 from lrsr.identities.eyes import Eyes, find_eyes
-from lrsr.identities.lids import clear_lids, rest_lids
+from lrsr.identities.lids import clear_lids, closing_strengths, rest_lids
 from lrsr.identities.template import template
 
 Points = NDArray[np.float64]
@@ -55,7 +55,7 @@ def rest_face(weights: Points) -> RestingFace:
 
 
 def act(face: RestingFace, expression: Expression) -> tuple[Points, Points]:
-    """Let a face act. Its eyes stay: a blink moves lids, not the gaze.
+    """Let a face act. Its eyes stay: a blink moves lids, not the gaze, and closes any eyes.
 
     Args:
         face: At rest.
@@ -68,6 +68,11 @@ def act(face: RestingFace, expression: Expression) -> tuple[Points, Points]:
     acting = expression.act(basis, face.weights)
     if acting is face.weights:
         return acting, face.skin
+    blinks = [expression.units.get(f"eyeBlink{side}", 0.0) for side in ("Right", "Left")]
+    if any(blinks):
+        beyond = closing_strengths(basis, face.weights, template().lids) - 1.0
+        for side, more in zip(("Right", "Left"), blinks * beyond, strict=True):
+            acting[basis.column[f"unit/eyeBlink{side}"]] += more
     return acting, _skin(_moved(basis.shape(acting), face.rotation, face.origin), face.eyes)
 
 

@@ -2,10 +2,11 @@ import numpy as np
 import pytest
 
 from lrsr.identities.basis import load_basis
-from lrsr.identities.eyes import Eyes
+from lrsr.identities.eyes import Eyes, find_eyes
 from lrsr.identities.lids import (
     MARGIN_POINTS,
     clear_lids,
+    closing_strengths,
     find_lids,
     lid_heights,
     lid_margins,
@@ -81,3 +82,26 @@ def test_startled_and_drooping_lids_come_to_rest(unit: str, strength: float) -> 
     )
     assert np.all((before < 2.4) | (before > 5.2))
     assert np.all((after > 2.4) & (after < 5.2))
+
+
+def test_the_average_eye_closes_at_full_strength_and_a_larger_one_beyond() -> None:
+    basis, lids = load_basis(), template().lids
+    larger = basis.neutral.copy()
+    for slider in ("eyes/eye-scale-decr-incr/+", "eyes/eye-height2-decr-incr/+"):
+        larger[basis.column[slider]] += 1.0
+    assert closing_strengths(basis, basis.neutral, lids) == pytest.approx([1.0, 1.0], abs=0.2)
+    assert (closing_strengths(basis, larger, lids) > 1.1).all()
+
+
+def test_lids_meet_at_the_strength_that_closes_them() -> None:
+    basis, lids = load_basis(), template().lids
+    weights = basis.neutral.copy()
+    weights[basis.column["eyes/eye-scale-decr-incr/+"]] += 1.0
+    strengths = closing_strengths(basis, weights, lids)
+    for strength, side in zip(strengths, ("Right", "Left"), strict=True):
+        weights[basis.column[f"unit/eyeBlink{side}"]] = strength
+    head = basis.shape(weights)
+    margins = lid_margins(basis.surface.matrix @ head.skin, find_eyes(basis, head), lids)
+    apart = (margins[:, 0] - margins[:, 1])[:, 12:-12, 1]
+    assert (apart < 0.0).all()
+    assert (apart > -5.0).all()
