@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import torch
+import torch.nn.functional as F
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from torchvision.transforms.v2 import InterpolationMode
 from torchvision.transforms.v2.functional import resize
-from torchvision.utils import make_grid
 
 from lrsr.errors import ImageContractError
 from lrsr.files import replacing
@@ -16,6 +16,7 @@ from lrsr.files import replacing
 TILE_PX = 128
 GAP_PX = 4
 HEADING_PX = 24
+_DPI = 128  # a power of two: no pixel is lost on the way through inches and back
 
 
 def write_contact_sheet(path: Path, pictures: Mapping[str, torch.Tensor]) -> Path:
@@ -36,19 +37,26 @@ def write_contact_sheet(path: Path, pictures: Mapping[str, torch.Tensor]) -> Pat
         sizes = {heading: len(column) for heading, column in pictures.items()}
         raise ImageContractError(f"contact sheet: got {sizes}, wanted as many people in each")
     tiles = torch.stack([_tile(column) for column in pictures.values()], dim=1)
-    grid = make_grid(tiles.flatten(0, 1), nrow=len(pictures), padding=GAP_PX, pad_value=1.0)
+    grid = _lay_out(tiles)
     height, width = grid.shape[1] + HEADING_PX, grid.shape[2]
-    figure = Figure(figsize=(width / 100, height / 100), dpi=100)
+    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
     levels = grid.mul(255).round().to(torch.uint8).permute(1, 2, 0).numpy()
     figure.figimage(levels, xo=0, yo=0, origin="upper")
     for number, heading in enumerate(pictures):
         middle = GAP_PX + number * (TILE_PX + GAP_PX) + TILE_PX / 2
-        place = {"ha": "center", "va": "center", "fontsize": 10}
+        place = {"ha": "center", "va": "center", "fontsize": 7.8}
         figure.text(middle / width, 1 - HEADING_PX / 2 / height, heading, **place)
     with replacing(path) as beside:
         FigureCanvasAgg(figure)
-        figure.savefig(beside, format="png", dpi=100, metadata={"Software": None})
+        figure.savefig(beside, format="png", dpi=_DPI, metadata={"Software": None})
     return path
+
+
+def _lay_out(tiles: torch.Tensor) -> torch.Tensor:
+    """Put ``(rows, columns, 3, h, w)`` side by side with white gaps between and around them."""
+    spaced = F.pad(tiles, (0, GAP_PX, 0, GAP_PX), value=1.0)
+    grid = spaced.permute(2, 0, 3, 1, 4).flatten(3, 4).flatten(1, 2)
+    return F.pad(grid, (GAP_PX, 0, GAP_PX, 0), value=1.0)
 
 
 def _tile(column: torch.Tensor) -> torch.Tensor:
