@@ -1,4 +1,4 @@
-"""What is recorded of a person? Sex, age, ancestry, and how light the skin is.
+"""What is recorded of a person? Sex, age, ancestry, how light the skin is, and what the gate did.
 
 Skin is classed by its individual typology angle (ITA), the angle between lightness and yellowness
 above the middle grey of CIELAB (Chardin, Hourseau and Bazin, "Skin colour typology and suntanning
@@ -9,6 +9,7 @@ and Bernerd, "Variations in skin colour", Br. J. Dermatol. 169 (s3), 2013).
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +45,8 @@ class Person:
         ancestry: Shares of the poles of the shape space, summing to 1.
         ita_deg: Individual typology angle of the bare cheeks; more is lighter.
         skin_tone: Its class, one of :data:`TONES`.
+        gate: What was drawn again and why, as :func:`lrsr.identities.gate.record` writes it; None
+            where it was not recorded.
     """
 
     sex: str
@@ -51,6 +54,7 @@ class Person:
     ancestry: Mapping[str, float]
     ita_deg: float
     skin_tone: str
+    gate: Mapping[str, Any] | None = None
 
 
 def describe(head: Head) -> Person:
@@ -58,7 +62,7 @@ def describe(head: Head) -> Person:
 
     Args:
         head: Of :func:`lrsr.identities.morphable.sample_head`: its skin's albedo is measured, its
-            parameters tell the rest.
+            parameters tell the rest; only the gate's record may be missing.
 
     Raises:
         KeyError: The parameters lack sex, age or ancestry.
@@ -74,6 +78,7 @@ def describe(head: Head) -> Person:
         },
         ita_deg=round(ita_deg, 2),
         skin_tone=tone_of(ita_deg),
+        gate=drawn.get("gate"),  # type: ignore[arg-type]  # a record
     )
 
 

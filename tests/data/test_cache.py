@@ -5,7 +5,7 @@ import logging
 import os
 import subprocess
 import sys
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 import pytest
@@ -54,11 +54,25 @@ def test_what_was_put_is_got_bit_for_bit(cache: RenderCache) -> None:
 
 
 def test_who_a_picture_shows_is_kept_with_it(cache: RenderCache) -> None:
-    person = Person("male", 61.5, {"african": 0.5, "asian": 0.5}, -12.0, "brown")
+    gate = {"redraws": 2, "failures": [["size"], ["size", "hair"]], "unresolved": []}
+    person = Person("male", 61.5, {"african": 0.5, "asian": 0.5}, -12.0, "brown", gate)
     cache.put(KEY, replace(radiance(), person=person))
     found = cache.get(KEY)
     assert found is not None
     assert found.person == person
+
+
+def test_an_entry_from_before_the_gate_was_recorded_is_still_read(
+    cache: RenderCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    person = Person("male", 61.5, {"asian": 1.0}, -12.0, "brown", {"redraws": 0})
+    told = {name: value for name, value in asdict(person).items() if name != "gate"}
+    with monkeypatch.context() as patch:
+        patch.setattr("lrsr.data.cache.asdict", lambda _: told)
+        cache.put(KEY, replace(radiance(), person=person))
+    found = cache.get(KEY)
+    assert found is not None
+    assert found.person == replace(person, gate=None)
 
 
 def test_views_of_larger_tensors_are_kept_as_what_they_show(cache: RenderCache) -> None:

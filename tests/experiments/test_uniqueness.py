@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fakes.dlib_parts import install_dlib, remove_dlib
-from fakes.twins import TwinMaker
+from fakes.twins import TwinMaker, gate
 from hydra import compose, initialize_config_dir
 
 from lrsr.camera import Camera
@@ -36,6 +36,7 @@ from lrsr.identities.morphable import RECIPE_VERSION, sample_parameters
 from lrsr.identities.population import Population
 from lrsr.identities.roster import Roster, write_roster
 from lrsr.identities.splits import identity_seed
+from lrsr.identities.uniqueness import Drawn
 from lrsr.paths import config_folder
 from lrsr.recognition import Engine
 
@@ -220,7 +221,20 @@ def test_no_smallest_angle_describes_everybody_as_drawn(tmp_path: Path, tone_mod
     assert (first, second) == (2, 5)
 
 
-def test_the_gate_is_asked_about_the_people_who_are_left(tmp_path: Path, tone_model: Path) -> None:
+def test_what_the_gate_did_is_read_with_the_pictures(
+    tmp_path: Path, tone_model: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = gallery(tmp_path, tone_model, TwinMaker(TWINS))
+    findings = find_distinct(SETTINGS, made)
+    asked: list[list[Drawn]] = []
+    monkeypatch.setattr(made, "judge", lambda drawn: asked.append(drawn) or [])
+    assert gate_tally(made, findings.drawn) == tally(gate(index) for index in range(8))
+    assert asked == [[]]
+
+
+def test_people_whose_gate_was_not_recorded_are_drawn_anew(
+    tmp_path: Path, tone_model: Path
+) -> None:
     people = IdentityRange(count=3, sex="female")
     made = gallery(tmp_path, tone_model, TwinMaker(), replace(SETTINGS, identities=people))
     women = [
@@ -228,6 +242,16 @@ def test_the_gate_is_asked_about_the_people_who_are_left(tmp_path: Path, tone_mo
         for one in [(0, 0), (1, 2)]
     ]
     assert gate_tally(made, [(0, 0), (1, 2)]) == tally(women)
+    assert made.judge([]) == []
+
+
+def test_drawing_people_anew_shows_a_bar(
+    tmp_path: Path, tone_model: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cache, camera = RenderCache(tmp_path / "cache"), Camera("heavy")
+    made = Gallery(SETTINGS, cache, Engine(tone_model), camera, TwinMaker(), progress=True)
+    made.judge([(0, 0), (1, 0)])
+    assert "judging: 100%" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from fakes.painted import PaintedMaker
 
@@ -40,9 +41,20 @@ class TwinMaker(PaintedMaker):
 
 
 def person(recipe: ProbeRecipe) -> Person:
-    """Say who somebody is: sex and age follow from the number, a redrawn one is a year older."""
+    """Say who somebody is: sex, age and what the gate did follow from the number; a redrawn one is
+    a year older.
+    """
     number = recipe.index
     ita_deg = 50.0 - 10.0 * (number % 10)
     ancestry = {"african": 0.1, "asian": 0.1, "caucasian": 0.8}
     sex = ("female", "male")[number % 2]
-    return Person(sex, 25.0 + number % 40 + recipe.draw, ancestry, ita_deg, tone_of(ita_deg))
+    age_years = 25.0 + number % 40 + recipe.draw
+    return Person(sex, age_years, ancestry, ita_deg, tone_of(ita_deg), gate(number))
+
+
+def gate(number: int) -> Mapping[str, Any]:
+    """Say that one face in three was drawn again, for the first and perhaps a second reason."""
+    failures = (
+        [] if number % 3 else [["mouth: opening, mm", "hair: off the skin, mm"][: 1 + number]]
+    )
+    return {"redraws": len(failures), "failures": failures, "unresolved": []}

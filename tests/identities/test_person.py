@@ -79,6 +79,13 @@ def test_a_person_is_described_by_what_was_drawn_and_what_is_measured() -> None:
     assert person.ita_deg == pytest.approx(typology_angle_deg([0.55, 0.36, 0.27]), abs=0.01)
 
 
+def test_what_the_gate_did_is_recorded_where_it_is_known() -> None:
+    head = face((0.4,) * 3, (0.4,) * 3)
+    assert describe(head).gate is None
+    did = {"redraws": 1, "failures": [["size"]], "unresolved": []}
+    assert describe(replace(head, parameters={**head.parameters, "gate": did})).gate == did
+
+
 def test_a_head_of_unknown_origin_cannot_be_described() -> None:
     with pytest.raises(KeyError, match="sex"):
         describe(replace(face((0.4,) * 3, (0.4,) * 3), parameters={"age_years": 30.0}))
