@@ -3,9 +3,10 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -76,15 +77,27 @@ def test_landmarks_stay_well_inside_the_frame(pose: Pose, monkeypatch: pytest.Mo
         assert landmarks.max() < 29
 
 
+@pytest.fixture(scope="module")
+def sphere_renderer() -> Renderer:
+    """Return a renderer of its own for the sphere, whose scene is loaded once."""
+    return Renderer()
+
+
+def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], dict[str, str]]:
+    diffuse = {"type": "diffuse", "reflectance": textures["albedo"]}
+    return diffuse, {"albedo": "reflectance.data"}
+
+
 @pytest.mark.parametrize("name", LIGHTINGS)
 def test_the_meter_reads_what_a_grey_sphere_sends(
-    name: str, monkeypatch: pytest.MonkeyPatch, lambert_renderer: Renderer
+    name: str, monkeypatch: pytest.MonkeyPatch, sphere_renderer: Renderer
 ) -> None:
+    monkeypatch.setattr(stage, "bsdf", lambert)
     radius, distance = 60.0, 1e4
     ball = ellipsoid_part("skin", "skin", (radius,) * 3, (0, -12.6, 0), np.full((2, 2, 3), 0.18))
     pupils = np.array([[-31.5, 0, 0], [31.5, 0, 0]])
     head = Head("sphere", (ball,), pupils, np.zeros((5, 3)))
-    result = lambert_renderer.render(
+    result = sphere_renderer.render(
         head, lighting=name, ipd_px=16, samples_per_pixel=512, camera_m=distance / 1000
     )
     side = result.image.shape[-1]
@@ -96,15 +109,6 @@ def test_the_meter_reads_what_a_grey_sphere_sends(
     sphere = (float(result.image[1].sum()) - backdrop * (side**2 - area)) / area
     assert disc.sum() == pytest.approx(area, rel=0.05)
     assert sphere / 0.18 == pytest.approx(result.metered, rel=0.01)
-
-
-@pytest.fixture(scope="module")
-def lambert_renderer() -> Iterator[Renderer]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(
-            stage, "bsdf", lambda numbers, colour: {"type": "diffuse", "reflectance": colour}
-        )
-        yield Renderer()
 
 
 def test_what_a_radiance_says(renderer: Renderer, head: Head) -> None:
