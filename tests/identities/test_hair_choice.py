@@ -9,6 +9,7 @@ from lrsr.identities.hair_choice import colour_parameters, sample_hair
 from lrsr.identities.hair_styles import STYLES
 
 EUROPEAN = {"african": 0.0, "asian": 0.0, "caucasian": 1.0}
+ASIAN = {"african": 0.0, "asian": 1.0, "caucasian": 0.0}
 AFRICAN = {"african": 1.0, "asian": 0.0, "caucasian": 0.0}
 LONG = {"bob", "long_straight", "long_wavy", "fringe", "tucked"}
 
@@ -54,6 +55,28 @@ def test_womens_hairlines_are_lower() -> None:
         for people in (women, men)
     ]
     assert high[0] + 2.0 < high[1]
+
+
+@pytest.mark.parametrize("age", [0.0, 0.5, 1.0])
+def test_women_are_neither_bald_nor_shaved(age: float) -> None:
+    women = draw(300, 0.1, age, EUROPEAN) + draw(300, 0.25, age, AFRICAN)
+    assert share(women, {"receding", "horseshoe", "shaved"}) == 0.0
+
+
+def test_womens_temples_recede_less() -> None:
+    women, men = (
+        np.mean([h["recession_deg"] for h in draw(300, masculinity, 0.6, EUROPEAN)])
+        for masculinity in (0.1, 0.9)
+    )
+    assert women < 0.6 * men
+
+
+@pytest.mark.parametrize("ancestry", [EUROPEAN, ASIAN], ids=["european", "asian"])
+def test_hair_tells_most_women_from_most_men(ancestry: dict[str, float]) -> None:
+    covered = LONG | {"pulled_back", "pixie"}
+    women, men = draw(300, 0.15, 0.4, ancestry), draw(300, 0.85, 0.4, ancestry)
+    assert share(women, covered) > 0.85
+    assert share(men, covered) < 0.25
 
 
 def test_old_men_are_bald_more_often() -> None:

@@ -112,14 +112,36 @@ def test_a_negative_depth_makes_a_ridge() -> None:
     np.testing.assert_array_equal(ridge, -groove)
 
 
-def test_lines_deepen_with_age() -> None:
-    def depth(age: float) -> float:
-        rng = np.random.default_rng(0)
-        people = [sample_lines(rng, age=age) for _ in range(60)]
-        return np.mean([[person["forehead"], person["crows_feet"]] for person in people])
+WORN = ("forehead", "glabella", "crows_feet", "under_eye", "marionette", "eye_bags", "upper_lip")
 
-    assert depth(0.0) == 0
-    assert depth(0.3) < depth(0.6) < depth(1.0)
+
+def _depths(group: str, ages: tuple[float, ...]) -> list[float]:
+    depths = []
+    for age in ages:
+        rng = np.random.default_rng(0)
+        depths.append(float(np.mean([sample_lines(rng, age=age)[group] for _ in range(60)])))
+    return depths
+
+
+@pytest.mark.parametrize("group", [*WORN, "nasolabial", "chin", "cheeks"])
+def test_lines_deepen_with_age(group: str) -> None:
+    depths = _depths(group, (0.0, 0.4, 0.6, 0.8, 1.0))
+    assert depths == sorted(set(depths))
+
+
+@pytest.mark.parametrize("group", WORN)
+def test_at_25_nothing_is_worn_and_at_75_most_of_it(group: str) -> None:
+    young, old = _depths(group, (0.0, 1.0))
+    assert young == 0.0
+    assert 1.0 < old < 1.7
+
+
+def test_no_line_is_deeper_than_a_deep_wrinkle() -> None:
+    rng = np.random.default_rng(1)
+    oldest = [sample_lines(rng, age=1.0) for _ in range(300)]
+    assert max(person[group] for person in oldest for group in WORN) <= 1.7
+    sheets = [draw_lines(person, FACE) for person in oldest[:6]]
+    assert min(sheet.min() for sheet in sheets) > -2.5  # mm
 
 
 def test_the_fold_beside_the_nose_is_there_from_youth() -> None:

@@ -3,6 +3,8 @@ import itertools
 import json
 import subprocess
 import sys
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import pytest
 from lrsr.identities import morphable
 from lrsr.identities.basis import load_basis
 from lrsr.identities.eyes import unit_ball
+from lrsr.identities.gate import MOST_DRAWS, tally
 from lrsr.identities.hair import build_hair
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import (
@@ -157,20 +160,31 @@ def test_parameters_are_plain_and_say_who_it_is(heads: dict[int, Head]) -> None:
     assert parameters["sex"] in ("female", "male")
 
 
-def test_everybody_is_an_adult_of_25_to_75() -> None:
-    people = [sample_parameters(seed) for seed in range(60)]
+def test_everybody_is_an_adult_of_25_to_75(crowds: Mapping[str, list[dict[str, Any]]]) -> None:
+    people = crowds["any"]
     assert all(25 <= p["age_years"] <= 75 for p in people)
     assert min(p["age_years"] for p in people) < 35
     assert max(p["age_years"] for p in people) > 60
 
 
 def test_both_sexes_and_all_ancestries_are_about_equally_frequent() -> None:
-    people = [sample_parameters(seed) for seed in range(150)]
+    # Who there is is settled before the gate.
+    people = [morphable._draw_traits(seed, EVERYBODY) for seed in range(150)]
     women = sum(p["sex"] == "female" for p in people)
     assert abs(women - 75) < 3 * np.sqrt(150 / 4)
     shares = np.mean([[p["ancestry"][race] for race in RACES] for p in people], axis=0)
-    # Var of a Dirichlet(.45) share: (1/3)(2/3) / (1.35 + 1)
-    assert np.abs(shares - 1 / 3).max() < 3.5 * np.sqrt(2 / 9 / 2.35 / 150)
+    # Var of a Dirichlet(.25) share: (1/3)(2/3) / (0.75 + 1)
+    assert np.abs(shares - 1 / 3).max() < 3.5 * np.sqrt(2 / 9 / 1.75 / 150)
+
+
+def test_the_gate_finds_everybody_a_face_and_hair(
+    crowds: Mapping[str, list[dict[str, Any]]],
+) -> None:
+    for people in crowds.values():
+        assert tally(person["gate"] for person in people)["unresolved"] == 0
+    redraws = [person["gate"]["redraws"] for person in crowds["any"]]
+    assert np.median(redraws) <= 2
+    assert max(redraws) < MOST_DRAWS
 
 
 def test_streams_are_independent_and_repeatable() -> None:
