@@ -303,7 +303,7 @@ def gate_tally(gallery: Gallery, drawn: Sequence[Drawn]) -> dict[str, Any]:
     """Count whose face or hair was drawn again because no adult has it, and why.
 
     What was done is kept with everyone's picture; those with whom it was not are drawn anew, which
-    takes some 50 ms each.
+    takes some 0.1 s each.
 
     Args:
         gallery: Of the people.
