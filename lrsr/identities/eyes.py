@@ -13,6 +13,8 @@ Points = NDArray[np.float64]
 GAZE_SHARE = np.array([0.35, 0.8, 0.0])
 """How far an eye turns from straight ahead to the centre of its lids, across and up: without it
 many look up; sideways the lids open farther out than eyes look."""
+DIVERGENCE_SHARE = 0.4
+"""How much of that turn across remains where it drives the eyes apart: both look at one camera."""
 CORNEA_ANGLE_RAD = 0.42
 """Angle from the axis at which the cornea rises from the white."""
 CORNEA_RISE = 0.06
@@ -60,7 +62,9 @@ def find_eyes(basis: Basis, head: BaseHead) -> Eyes:
     radii = np.linalg.norm(head.eyes - centres[:, None], axis=2).mean(axis=1)
     middle = np.stack([head.skin[rim].mean(axis=0) for rim in basis.lid_rims])
     gazes = GAZE_SHARE * (middle - centres)
-    gazes[:, 1] = gazes[:, 1].mean()
+    both = gazes.mean(axis=0)
+    gazes[:, 0] = both[0] + DIVERGENCE_SHARE * (gazes[:, 0] - both[0])
+    gazes[:, 1] = both[1]
     gazes[:, 2] = np.sqrt(np.maximum(radii**2 - (gazes[:, :2] ** 2).sum(axis=1), 0.0))
     return Eyes(centres, radii, gazes / np.linalg.norm(gazes, axis=1, keepdims=True))
 

@@ -21,8 +21,8 @@ from lrsr.identities.hair_colour import HairColour, hair_rgb
 from lrsr.identities.lashes import Lashes
 from lrsr.identities.make_up import MakeUp
 
-_WARM = np.array([1.3, 1.0, 0.75], dtype=np.float32)  # skin shines through the hairs
-_DARKEST_BROW = np.array([0.026, 0.014, 0.008], dtype=np.float32)
+_WARM = np.array([1.6, 1.0, 0.6], dtype=np.float32)  # skin shines through the hairs
+_DARKEST_BROW = np.array([0.036, 0.016, 0.007], dtype=np.float32)
 _WHITE_BROW = (0.36, 0.33, 0.30)
 _BLUSH = np.array([0.46, 0.16, 0.15])
 _CHEEKBONE_MM = (44.0, -30.0, -14.0)
