@@ -12,7 +12,7 @@ from lrsr.identities.complexion import (
 
 @pytest.mark.parametrize(
     ("ancestry", "melanin"),
-    [((1, 0, 0), 0.22), ((0, 1, 0), 0.045), ((0, 0, 1), 0.022), ((0.5, 0, 0.5), 0.0696)],
+    [((1, 0, 0), 0.24), ((0, 1, 0), 0.030), ((0, 0, 1), 0.0095), ((0.5, 0, 0.5), 0.0477)],
     ids=["african", "asian", "european", "half and half"],
 )
 def test_melanins_median_follows_ancestry(
