@@ -8,6 +8,10 @@ from lrsr.identities.complexion import (
     MELANIN_LIMITS,
     sample_complexion,
 )
+from lrsr.identities.morphable import sample_head
+from lrsr.identities.person import describe
+from lrsr.identities.population import Population
+from lrsr.identities.splits import identity_seed
 
 
 @pytest.mark.parametrize(
@@ -24,6 +28,19 @@ def test_melanins_median_follows_ancestry(
     assert np.median(drawn) == pytest.approx(melanin, rel=0.075)
     assert min(drawn) >= MELANIN_LIMITS[0]
     assert max(drawn) <= MELANIN_LIMITS[1]
+
+
+@pytest.mark.parametrize(
+    ("ancestry", "lowest", "highest"),
+    [("african", -60.0, 0.0), ("asian", 15.0, 40.0), ("caucasian", 28.0, 48.0)],
+)
+def test_cheeks_are_as_light_as_those_of_people(
+    ancestry: str, lowest: float, highest: float
+) -> None:
+    only = Population(ancestry=(ancestry,))
+    seeds = [identity_seed("test", index) for index in range(12)]
+    heads = [sample_head(seed, texture_size=128, population=only) for seed in seeds]
+    assert lowest < np.median([describe(head).ita_deg for head in heads]) < highest
 
 
 def test_blood_keeps_within_its_limits() -> None:

@@ -1,3 +1,5 @@
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from lrsr.identities.eyes import (
     unit_ball,
 )
 from lrsr.identities.morphable import template
+from lrsr.identities.resting import RestingFace
 
 
 def make_eyes(gaze: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Eyes:
@@ -47,6 +50,16 @@ def test_both_eyes_look_equally_high_and_nearly_straight_ahead() -> None:
     gazes = template().eyes.gazes
     np.testing.assert_allclose(gazes[0] * [-1, 1, 1], gazes[1], atol=1e-6)
     assert (gazes[:, 2] > 0.98).all()
+
+
+def test_nobodys_eyes_look_apart_or_aside(
+    resting_faces: Mapping[str, list[RestingFace]],
+) -> None:
+    gazes = np.array([face.eyes.gazes for faces in resting_faces.values() for face in faces])
+    left, right = np.degrees(np.arctan2(gazes[..., 0], gazes[..., 2])).T
+    assert abs((right - left).mean()) < 2.0
+    assert np.abs(right - left).max() < 5.0  # 9 prism dioptres
+    assert np.abs(right + left).max() < 3.0
 
 
 def test_the_ball_is_a_half_sphere_that_faces_outwards() -> None:
