@@ -1,16 +1,26 @@
 """People made of paint: each identity a smooth random picture, seen as the recipe says."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import onnx
 import pytest
+import torch
 from fakes.painted import PaintedMaker
 from onnx import TensorProto, helper
 
 from lrsr.data.cache import RenderCache
 from lrsr.recognition.contract import Contract, contract_path, sha256_of, write_contract
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _one_thread() -> Iterator[None]:
+    """Let threads not wait for each other: on two busy cores two take ten times as long as one."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(threads)
 
 
 @pytest.fixture
