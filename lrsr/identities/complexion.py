@@ -12,7 +12,7 @@ BLOOD_LIMITS = (0.010, 0.055)
 
 _MELANIN_MEANS = (0.24, 0.030, 0.0095)
 """Of African, Asian and European ancestry, set so that the typology angles of cheeks have medians
-of about -15, 30 and 35 degrees (faces are some 10 degrees darker than arms are)."""
+of about -25, 28 and 36 degrees (faces are some 10 degrees darker than arms are)."""
 _BLOOD_MEAN = 0.022
 _MOST_FLUSH = 0.6  # a cheek of more is a clown's
 
