@@ -18,7 +18,8 @@ REFLECTIVE: Mapping[Material, Mapping[str, float]] = {
     "skin": {"roughness": 0.5, "specular": 0.4},
     # The tear film: index 1.336, F0 = 0.021, smooth; roughened until its highlight is no firefly.
     "eye": {"roughness": 0.15, "specular": 0.27, "clearcoat": 0.2, "clearcoat_gloss": 0.9},
-    # Keratin has the index 1.55, F0 = 0.047; strands run along v of the texture (estimated).
+    # Keratin has the index 1.55, F0 = 0.047; a third of it is taken away for the shade that strands
+    # throw on each other, which ribbons lack (estimated). They run along v of the texture.
     "hair": {"roughness": 0.45, "specular": 0.4, "anisotropic": 0.5},
     # Too thin to shine (estimated).
     "lash": {"roughness": 0.9, "specular": 0.0},
