@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.rendering.backend import start
-from lrsr.rendering.geometry import Viewpoint
+from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint
+from lrsr.rendering.lens import LENSES, Lens, mount
 from lrsr.rendering.scene import Pose
 from lrsr.rendering.stage import world_to_head
 
@@ -43,6 +44,8 @@ def expose(
     scale: int,
     samples: int,
     seed: int,
+    lens: Lens = LENSES["pinhole"],
+    focus_mm: float = math.inf,
 ) -> NDArray[np.float32]:
     """Trace the rays of one film.
 
@@ -54,16 +57,21 @@ def expose(
         scale: Film pixels per ×1 pixel.
         samples: Per pixel of this film.
         seed: Of the sampler.
+        lens: Before the film.
+        focus_mm: Distance of what is sharp along the optical axis, mm.
 
     Returns:
         ``(side, side, 3)`` float32, linear.
+
+    Raises:
+        InputError: The lens cannot be focused so near.
     """
     mi = start()
     side = scale * viewpoint.film_px
     passes = -(-side * side * samples // MAX_RAYS)
     per_pass = grid_samples(-(-samples // passes))
-    sensor = mi.load_dict(describe_sensor(viewpoint, pose, side, per_pass))
-    if mi.variant() == "scalar_rgb":
+    sensor = make_sensor(viewpoint, pose, side, per_pass, lens, focus_mm)
+    if "scalar" in mi.variant():
         return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=seed))
     total = np.zeros((side * side, 3), dtype=np.float64)
     for number in range(passes):
@@ -87,25 +95,53 @@ def pass_seed(seed: int, number: int) -> int:
     return int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
 
 
+def make_sensor(
+    viewpoint: Viewpoint, pose: Pose, side: int, samples: int, lens: Lens, focus_mm: float
+) -> Any:
+    """Make the ``mi.Sensor`` of that viewpoint and lens; see :func:`expose`.
+
+    Raises:
+        InputError: The lens cannot be focused so near.
+    """
+    if lens.is_pinhole:
+        return start().load_dict(describe_sensor(viewpoint, pose, side, samples))
+    from lrsr.rendering.lens_sensor import lens_sensor
+
+    constant_mm = viewpoint.pixels_per_slope * AXIS_P1435LE.pitch_um / 1000
+    slope = viewpoint.film_px / 2 / viewpoint.pixels_per_slope
+    # The filter reaches two pixels of the film beyond its corner.
+    reach_mm = math.sqrt(2) * slope * constant_mm * (1 + 2 * FILTER_CUT * FILTER_STDDEV_PX / side)
+    mounted = mount(lens, constant_mm, focus_mm, reach_mm)
+    to_world = world_to_head(pose) @ viewpoint.to_world()
+    return lens_sensor(mounted, to_world, slope, side, samples, disperse=lens.dispersion)
+
+
 def describe_sensor(viewpoint: Viewpoint, pose: Pose, side: int, samples: int) -> dict[str, Any]:
     """Describe Mitsuba's pinhole for that viewpoint, for ``mi.load_dict``."""
     mi = start()
-    x, y, z = viewpoint.centre_mm
-    in_world = mi.ScalarTransform4f().look_at(origin=[x, y, z], target=[x, y, z - 1], up=[0, 1, 0])
+    centre, (_, up, back) = viewpoint.centre_mm, viewpoint.axes()
+    in_world = mi.ScalarTransform4f().look_at(
+        origin=centre.tolist(), target=(centre - back).tolist(), up=up.tolist()
+    )
     return {
         "type": "perspective",
         "fov": viewpoint.view_deg,
         "near_clip": 1.0,
         "far_clip": 1e6,
         "to_world": mi.ScalarTransform4f(world_to_head(pose)) @ in_world,
-        "film": {
-            "type": "hdrfilm",
-            "width": side,
-            "height": side,
-            "component_format": "float32",
-            "rfilter": {"type": "gaussian", "stddev": FILTER_STDDEV_PX},
-        },
+        "film": describe_film(side),
         "sampler": {"type": "multijitter", "sample_count": samples},
+    }
+
+
+def describe_film(side: int) -> dict[str, Any]:
+    """Describe Mitsuba's film with our filter, for ``mi.load_dict``."""
+    return {
+        "type": "hdrfilm",
+        "width": side,
+        "height": side,
+        "component_format": "float32",
+        "rfilter": {"type": "gaussian", "stddev": FILTER_STDDEV_PX},
     }
 
 
@@ -129,8 +165,24 @@ def _trace(
     uniform = sampler.next_2d()
     offset = FILTER_STDDEV_PX * math.sqrt(2) * dr.erfinv((2 * uniform - 1) * cut)
     position = (corner + 0.5 + offset) / mi.Float(width)
-    ray, _ = sensor.sample_ray_differential(0.0, 0.5, position, mi.Point2f(0.5))
-    light, _, _ = integrator.sample(scene, sampler, ray)
+    if sensor.needs_aperture_sample() or mi.is_spectral:
+        light = _through_lens(scene, integrator, sensor, sampler, position)
+    else:
+        ray, _ = sensor.sample_ray_differential(0.0, 0.5, position, mi.Point2f(0.5))
+        light, _, _ = integrator.sample(scene, sampler, ray)
     dr.eval(light)  # once, not once per channel
     sums = [dr.block_sum(channel, samples, mode="evaluated") for channel in light]
     return np.stack([channel.numpy() for channel in sums], axis=1).astype(np.float64)
+
+
+def _through_lens(scene: Any, integrator: Any, sensor: Any, sampler: Any, position: Any) -> Any:
+    """Return the light of one ray for each position, linear sRGB; nothing where a rim stops it."""
+    import drjit as dr
+
+    mi = start()
+    colour, aperture = sampler.next_1d(), sampler.next_2d()
+    ray, weight = sensor.sample_ray_differential(0.0, colour, position, aperture)
+    alive = dr.any(weight != 0)
+    light, _, _ = integrator.sample(scene, sampler, ray, active=alive)
+    light = dr.select(alive, weight * light, 0.0)
+    return mi.spectrum_to_srgb(light, ray.wavelengths) if mi.is_spectral else light

@@ -141,22 +141,46 @@ def resolution_band(ipd_px: float) -> Band:
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """A pinhole camera that looks along -z with a square film.
+    """A pinhole camera with a square film that looks along -z, or from above down on the face.
 
     Attributes:
         centre_mm: ``(3,)`` the pinhole, world frame, mm.
         film_px: Side of the ×1 film, px.
         pixels_per_slope: Focal length in ×1 pixels: px per unit of x/z.
+        elevation_deg: How far the optical axis points below the horizon, -90..90.
     """
 
     centre_mm: NDArray[np.float64]
     film_px: int
     pixels_per_slope: float
+    elevation_deg: float = 0.0
 
     @property
     def view_deg(self) -> float:
         """Full angle of view across the film, degrees."""
         return 2 * math.degrees(math.atan(self.film_px / 2 / self.pixels_per_slope))
+
+    def axes(self) -> NDArray[np.float64]:
+        """Return ``(3, 3)``: the picture's right, its up, and away from the scene, world frame.
+
+        Example:
+            >>> Viewpoint(np.zeros(3), 32, 1000.0).axes().tolist()
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        """
+        tilt = math.radians(self.elevation_deg)
+        sine, cosine = math.sin(tilt), math.cos(tilt)
+        return np.array([[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]]) + 0.0
+
+    def to_world(self) -> NDArray[np.float64]:
+        """Return the ``(4, 4)`` matrix from the camera's frame (the axes, at the pinhole)."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.axes().T
+        matrix[:3, 3] = self.centre_mm
+        return matrix
+
+    def depth_mm(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far world points ``(N, 3)`` lie before the camera along its axis, mm."""
+        return np.asarray(-(np.asarray(points_mm, np.float64) - self.centre_mm) @ self.axes()[2])
 
     def project(self, points_mm: NDArray[np.float64], scale: int = 1) -> NDArray[np.float64]:
         """Project world points in exact perspective.
@@ -168,7 +192,7 @@ class Viewpoint:
         Returns:
             ``(N, 2)`` (x, y), px; 0 is the centre of the top-left pixel.
         """
-        offset = np.asarray(points_mm, dtype=np.float64) - self.centre_mm
+        offset = (np.asarray(points_mm, dtype=np.float64) - self.centre_mm) @ self.axes().T
         slope = offset[:, :2] / -offset[:, 2:]
         film = self.film_px / 2 + self.pixels_per_slope * slope * (1, -1)
         return np.asarray(scale * film - 0.5)
@@ -180,6 +204,7 @@ def place_camera(
     *,
     offset_mm: tuple[float, float] = (0.0, 0.0),
     camera_m: float | None = None,
+    above_m: float = 0.0,
 ) -> Viewpoint:
     """Place the camera so that the frontal pupils are exactly ``ipd_px`` apart on the ×1 film.
 
@@ -189,27 +214,43 @@ def place_camera(
     Args:
         pupils_mm: ``(2, 3)``, head frame, mm.
         ipd_px: Wanted distance of the pupils on the film, px.
-        offset_mm: Shift of camera and frame (right, up), mm: to follow a turned head.
+        offset_mm: Shift of camera and frame (to the picture's right, up), mm: to follow a turned
+            head.
         camera_m: Distance of the camera from the pupils, m; None: the reference camera's.
+        above_m: How much higher than the pupils it stands, m; < 0 is lower. It looks at the face.
 
     Raises:
-        ValueError: The IPD or the distance is not positive.
+        ValueError: The IPD or the distance is not positive, or less than the height.
     """
     ipd_mm = float(np.linalg.norm(pupils_mm[1] - pupils_mm[0]))
     film_px = film_size_px(ipd_px)
     if camera_m is not None and not camera_m > 0:
         raise ValueError(f"the distance must be positive, got {camera_m} m")
     away_mm = 1000 * (distance_m(ipd_px, ipd_mm) if camera_m is None else camera_m)
+    if not abs(1000 * above_m) < away_mm:
+        raise ValueError(
+            f"a camera {above_m} m above the eyes cannot be {away_mm / 1000:.3g} m from them"
+        )
     focal_px = 1000 * AXIS_P1435LE.focal_mm / AXIS_P1435LE.pitch_um
     height_mm = -FRAME_DROP_IPDS * ipd_mm
     # Pupils off the plane z = 0, or not level, make the first guess miss by parts in a thousand.
     for _ in range(8):
-        frontal = Viewpoint(np.array([0.0, height_mm, away_mm]), film_px, focal_px)
+        frontal = _viewpoint((0.0, height_mm), away_mm, above_m, film_px, focal_px)
         left, right = frontal.project(pupils_mm)
         excess = float(np.hypot(*(right - left))) / ipd_px
         if camera_m is None:
             away_mm *= excess
         else:
             focal_px /= excess
-    centre = np.array([offset_mm[0], height_mm + offset_mm[1], away_mm])
-    return Viewpoint(centre, film_px, focal_px)
+    shift = (offset_mm[0], height_mm + offset_mm[1])
+    return _viewpoint(shift, away_mm, above_m, film_px, focal_px)
+
+
+def _viewpoint(
+    shift_mm: tuple[float, float], away_mm: float, above_m: float, film_px: int, focal_px: float
+) -> Viewpoint:
+    """Look at the origin from that far and high, then move within the picture's plane."""
+    elevation_deg = math.degrees(math.asin(1000 * above_m / away_mm))
+    level = Viewpoint(np.zeros(3), film_px, focal_px, elevation_deg)
+    centre = np.array([*shift_mm, away_mm]) @ level.axes()
+    return Viewpoint(centre, film_px, focal_px, elevation_deg)
