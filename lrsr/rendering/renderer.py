@@ -8,11 +8,12 @@ import torch
 
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
-from lrsr.rendering.backend import start
 from lrsr.rendering.film import expose
 from lrsr.rendering.geometry import place_camera
+from lrsr.rendering.lens import Lens, find_lens
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Lighting, Pose, environment, find_lighting, find_pose
+from lrsr.rendering.skin import Skin
 from lrsr.rendering.stage import Stage
 
 RENDERER_VERSION = "2"
@@ -29,20 +30,21 @@ class Renderer:
     """Renders heads; keeps its scene and its compiled kernels between calls.
 
     Args:
-        skin: Model of the skin; "reflective" (``principled`` under ``path``) exists.
-        max_depth: Longest path, in edges from the camera, >= 2.
+        skin: Name of a skin model, "reflective" (opaque, the fastest), "subsurface" (translucent),
+            "volumetric" (the same, traced in full: the truth, for comparison) or another of
+            :data:`lrsr.rendering.skin.SKINS`; or any :class:`lrsr.rendering.skin.Skin`.
+        max_depth: Longest path, in edges from the camera, >= 2; volumetric skin knows no limit.
 
     Raises:
         InputError: There is no such skin model, or the depth is too small.
     """
 
-    def __init__(self, skin: str = "reflective", *, max_depth: int = 5) -> None:
+    def __init__(self, skin: str | Skin = "reflective", *, max_depth: int = 5) -> None:
         if max_depth < 2:
             raise InputError(f"max_depth={max_depth} lights nothing; give at least 2")
-        self.skin = skin
         self.max_depth = max_depth
         self._stage = Stage(skin)
-        self._integrator: Any = None
+        self.skin = self._stage.skin.name
 
     def render(
         self,
@@ -55,6 +57,7 @@ class Renderer:
         samples_per_pixel: int = 2048,
         seed: int = 0,
         camera_m: float | None = None,
+        lens: str | Lens = "pinhole",
     ) -> Radiance:
         """Render one picture.
 
@@ -67,15 +70,16 @@ class Renderer:
             samples_per_pixel: Of the ×1 film; a finer one has 1/scale² of them, at least 16.
             seed: Of the sampler, >= 0.
             camera_m: Distance of the camera, m; None: where the reference camera must stand.
+            lens: Name or surfaces. It is focused on the eyes, unless it says otherwise.
 
         Returns:
             The linear picture with its landmarks.
 
         Raises:
-            InputError: No such pose or lighting, or a number out of range.
+            InputError: No such pose, lighting or lens, or a number out of range.
             NonFiniteError: A pixel is NaN or infinite.
         """
-        pose, lighting = find_pose(pose), find_lighting(lighting)
+        pose, lighting, lens = find_pose(pose), find_lighting(lighting), find_lens(lens)
         if not ipd_px > 0 or scale < 1 or samples_per_pixel < 1 or seed < 0:
             raise InputError(
                 f"ipd_px={ipd_px}, scale={scale}, samples_per_pixel={samples_per_pixel},"
@@ -94,6 +98,8 @@ class Renderer:
             scale=scale,
             samples=max(round(samples_per_pixel / scale**2), MIN_SAMPLES),
             seed=seed,
+            lens=lens,
+            focus_mm=float(viewpoint.depth_mm(pose.turn(head.pupils)).mean()),
         )
         if not np.isfinite(image).all():
             raise NonFiniteError(
@@ -114,10 +120,7 @@ class Renderer:
         )
 
     def _path(self) -> Any:
-        if self._integrator is None:
-            settings = {"max_depth": self.max_depth, "rr_depth": ROULETTE_DEPTH}
-            self._integrator = start().load_dict({"type": "path", **settings})
-        return self._integrator
+        return self._stage.integrator(self.max_depth, ROULETTE_DEPTH)
 
 
 @cache
