@@ -7,11 +7,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from lrsr.rendering.lens import Lens, find_lens
     from lrsr.rendering.radiance import Radiance
     from lrsr.rendering.renderer import Renderer, render
     from lrsr.rendering.scene import Light, Lighting, Pose, find_lighting, find_pose
+    from lrsr.rendering.surfaces import Surface
 
 _HOMES = {
+    "Lens": "lens",
+    "find_lens": "lens",
+    "Surface": "surfaces",
     "Radiance": "radiance",
     "Renderer": "renderer",
     "render": "renderer",
@@ -23,11 +28,14 @@ _HOMES = {
 }
 
 __all__ = [
+    "Lens",
     "Light",
     "Lighting",
     "Pose",
     "Radiance",
     "Renderer",
+    "Surface",
+    "find_lens",
     "find_lighting",
     "find_pose",
     "render",
