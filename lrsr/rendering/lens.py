@@ -158,7 +158,9 @@ class MountedLens:
         constant_mm: Height on the film per slope at the entrance pupil, near the axis.
         entrance_mm: Entrance pupil before the film.
         pupil_mm: Plane of the exit pupil before the film.
-        pupil_radius_mm: Of a disc there through which all light that passes the lens goes.
+        pupil_shift: From off the axis the pupil seems to move: its middle is the film point times
+            c₀ + c₁ r² + c₂ r⁴ (mm⁻², mm⁻⁴), r the point's distance from the axis.
+        pupil_radius_mm: Of a disc about that through which all light that passes the lens goes.
         brightness: π times this is what a film's middle receives of a field of radiance 1.
         falls_off: Do pixels darken off the axis, as cos⁴ and rims make them?
     """
@@ -168,6 +170,7 @@ class MountedLens:
     constant_mm: float
     entrance_mm: float
     pupil_mm: float
+    pupil_shift: tuple[float, float, float]
     pupil_radius_mm: float
     brightness: float
     falls_off: bool
@@ -177,6 +180,12 @@ class MountedLens:
         backwards = reversed_surfaces(self.surfaces)
         gaps = [self.image_mm, *(surface.thickness_mm for surface in backwards[:-1])]
         return backwards, np.cumsum(gaps)
+
+    def pupil_middle_mm(self, film_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where the middle of the exit pupil seems to be from film points ``(N, 2)``, mm."""
+        film = np.asarray(film_mm, np.float64)
+        square = (film**2).sum(axis=1, keepdims=True)
+        return np.asarray(film * np.polynomial.polynomial.polyval(square, self.pupil_shift))
 
     def rays_from_film(
         self,
@@ -246,6 +255,7 @@ def mount(lens: Lens, constant_mm: float, focus_mm: float, film_mm: float) -> Mo
         constant_mm=reached,
         entrance_mm=image_mm + length_mm - before,
         pupil_mm=image_mm - behind,
+        pupil_shift=(0.0, 0.0, 0.0),
         pupil_radius_mm=stop_mm * abs(shrunk),
         brightness=0.0,
         falls_off=not lens.is_ideal,
@@ -255,24 +265,51 @@ def mount(lens: Lens, constant_mm: float, focus_mm: float, film_mm: float) -> Mo
 
 def _with_pupil(mounted: MountedLens, film_mm: float) -> MountedLens:
     """Find out by rays how wide the exit pupil is, from the film's middle to its edge."""
-    reach = 1.5 * mounted.pupil_radius_mm
-    radii = np.linspace(0, reach, 301)
-    _, _, through = mounted.rays_from_film(np.zeros((301, 2)), np.stack([radii, 0 * radii], 1))
-    step = float(radii[1])
-    edge = float(reach if through.all() else radii[int(np.argmin(through)) - 1])
-    for _ in range(3):  # each pass is a hundred times finer
-        fine = np.linspace(edge, edge + step, 101)
-        _, _, through = mounted.rays_from_film(np.zeros((101, 2)), np.stack([fine, 0 * fine], 1))
-        edge, step = float(fine[max(int(np.argmin(through)) - 1, 0)]), step / 100
-    angle = np.linspace(0, np.pi, 25)
-    along = film_mm * np.linspace(0, 1, 5)
-    grid = np.meshgrid(along, radii[1::4], angle, indexing="ij")
-    film, radius, phi = np.stack(grid).reshape(3, -1)
-    aims = np.stack([radius * np.cos(phi), radius * np.sin(phi)], axis=1)
-    _, _, through = mounted.rays_from_film(np.stack([film, 0 * film], axis=1), aims)
-    widest = max(float(radius[through].max(initial=0.0)), edge)
-    return replace(
-        mounted,
-        pupil_radius_mm=widest + (float(radii[4]) if mounted.falls_off else 0.0),
-        brightness=float(edge**2 / (edge**2 + mounted.pupil_mm**2)),
-    )
+    paraxial_mm = mounted.pupil_radius_mm
+    edge, step = 0.0, 1.5 * paraxial_mm
+    for _ in range(4):  # each pass is a hundred times finer
+        radii = np.linspace(edge, edge + step, 101)
+        aims = np.stack([radii, 0 * radii], axis=1)
+        _, _, through = mounted.rays_from_film(np.zeros((101, 2)), aims)
+        edge = float(radii[100 if through.all() else max(int(np.argmin(through)) - 1, 0)])
+        step /= 100
+    mounted = replace(mounted, brightness=edge**2 / (edge**2 + mounted.pupil_mm**2))
+    if not mounted.falls_off:
+        return mounted
+    film = np.stack([film_mm * np.linspace(0, 1, 17), np.zeros(17)], axis=1)
+    middle, seen = _aim_at_stop(mounted, film, np.zeros_like(film))
+    powers = film[:, :1] ** np.array([1, 3, 5])
+    shift, *_ = np.linalg.lstsq(powers[seen], middle[seen, 0], rcond=None)
+    mounted = replace(mounted, pupil_shift=tuple(shift.tolist()))
+    angles = np.linspace(0, np.pi, 17)
+    rim = np.tile(np.stack([np.cos(angles), np.sin(angles)], axis=1), (17, 1))
+    film = film.repeat(17, axis=0)
+    aims, seen = _aim_at_stop(mounted, film, rim)
+    widest = np.hypot(*(aims - mounted.pupil_middle_mm(film))[seen].T).max(initial=edge)
+    return replace(mounted, pupil_radius_mm=1.02 * float(widest))
+
+
+def _aim_at_stop(
+    mounted: MountedLens, film_mm: NDArray[np.float64], stop: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Find where rays that meet the stop at a point cross the exit pupil's plane.
+
+    Args:
+        mounted: The lens.
+        film_mm: ``(N, 2)``, where the rays begin.
+        stop: ``(N, 2)``, where they are to meet the stop, in units of its radius.
+
+    Returns:
+        aims: ``(N, 2)``, mm.
+        seen: ``(N,)``, did a ray reach the stop at all? Rims do not count.
+    """
+    backwards, _ = mounted.from_film()
+    number = stop_number(backwards)
+    rim_mm = backwards[number].semi_aperture_mm
+    towards_stop = tuple(replace(s, semi_aperture_mm=math.inf) for s in backwards[: number + 1])
+    short = replace(mounted, surfaces=reversed_surfaces(towards_stop))
+    aims = mounted.pupil_radius_mm * stop
+    for _ in range(20):
+        met, _, seen = short.rays_from_film(film_mm, aims)
+        aims = aims + (stop - met[:, :2] / rim_mm) * mounted.pupil_radius_mm
+    return aims, seen

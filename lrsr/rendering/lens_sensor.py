@@ -136,6 +136,7 @@ def _opaque(sensor: Any) -> dict[str, Any]:
     return {
         **{name: dr.opaque(mi.Float, value) for name, value in scalars.items()},
         "table": mi.Float(rows.ravel()),
+        "shift": [dr.opaque(mi.Float, value) for value in mounted.pupil_shift],
         "count": dr.opaque(mi.UInt32, len(rows)),
         "matrix": [[dr.opaque(mi.Float, float(x)) for x in row] for row in sensor._matrix[:3]],
     }
@@ -152,7 +153,10 @@ def _wavefront_ray(
         (position.x - 0.5) * number["width"], (0.5 - position.y) * number["width"], 0.0
     )
     disc = number["radius"] * mi.warp.square_to_uniform_disk_concentric(aperture)
-    aim = mi.Vector3f(disc.x, disc.y, number["pupil"]) - film
+    first, third, fifth = number["shift"]
+    square = dr.square(film.x) + dr.square(film.y)
+    shift = first + square * (third + square * fifth)
+    aim = mi.Vector3f(disc.x + shift * film.x, disc.y + shift * film.y, number["pupil"]) - film
     cosine = number["pupil"] * dr.rcp(dr.norm(aim))
     aim *= dr.rcp(dr.norm(aim)) * dr.sign(number["pupil"])
     wavelengths, traced_um, weight = _colours(sensor, wavelength, number)
@@ -213,7 +217,7 @@ def _refract(table: Any, count: Any, point: Any, way: Any, traced_um: Any, activ
         local = local + f * dr.rcp(g + cosine) * way
         behind = index_of_ray(glass, traced_um, dr.sqrt)
         ratio = before * dr.rcp(behind)
-        bent = 1 - dr.square(ratio) * (1 - dr.square(cosine))
+        bent = (1 - ratio) * (1 + ratio) + dr.square(ratio * cosine)  # cos² of refraction
         inside = dr.square(local.x) + dr.square(local.y) <= square
         turn = dr.safe_sqrt(bent) - ratio * cosine
         way = ratio * way + turn * (mi.Vector3f(0, 0, 1) - c * local)
@@ -239,6 +243,7 @@ def _scalar_ray(
     film = np.array([[position[0] - 0.5, 0.5 - position[1]]]) * sensor._width
     disc = mi.warp.square_to_uniform_disk_concentric(aperture)
     aim = np.array([[disc[0], disc[1]]]) * mounted.pupil_radius_mm
+    aim += mounted.pupil_middle_mm(film)
     channel = min(int(3 * wavelength), 2)
     weight = np.ones(3)
     traced_nm = D_LINE_NM

@@ -221,7 +221,7 @@ def trace(
         point = point + step[:, None] * ray
         inside = (point[:, :2] ** 2).sum(axis=1) <= surface.semi_aperture_mm**2
         ratio = before / behind
-        bent = 1 - ratio**2 * (1 - cosine**2)
+        bent = (1 - ratio) * (1 + ratio) + (ratio * cosine) ** 2  # cos² of refraction
         through &= (square > 0) & inside & (bent > 0)
         turn = np.sqrt(np.clip(bent, 0, None)) - ratio * cosine
         normal = np.array([0.0, 0.0, 1.0]) - c * (point - (0.0, 0.0, vertex))

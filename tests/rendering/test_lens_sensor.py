@@ -1,0 +1,286 @@
+"""The sensor in Dr.Jit: against rays in double precision, Mitsuba's thin lens, and energy."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.heads import dots, stand_in
+from scipy.stats import norm
+
+from lrsr.rendering.backend import start
+from lrsr.rendering.film import describe_film, describe_sensor, expose, make_sensor
+from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint, place_camera
+from lrsr.rendering.lens import CHANNELS_NM, Lens, find_lens, mount
+from lrsr.rendering.lens_sensor import ROW, lens_sensor, table
+from lrsr.rendering.prescriptions import biconvex
+from lrsr.rendering.renderer import Renderer
+from lrsr.rendering.scene import LIGHTINGS, POSES, Pose
+from lrsr.rendering.surfaces import image_of
+
+FOCUS_MM = 1100.0
+SLOPE = 0.113
+NAMES = ["thin", "single", "double_gauss"]
+FRONTAL = POSES["frontal"]
+
+
+def rays(name: str, count: int, wavelength: float, **changes: Any) -> tuple[Any, ...]:
+    """Trace the same rays by the sensor and in double precision."""
+    lens = find_lens(name, **changes)
+    mounted = mount(lens, 3.0, FOCUS_MM, 0.5)
+    shift = np.eye(4)
+    shift[:3, 3] = 1, 2, 3
+    mi = start()
+    sensor = lens_sensor(mounted, shift, SLOPE, 16, 16, disperse=lens.dispersion)
+    rng = np.random.default_rng(0)
+    position, aperture = rng.uniform(size=(2, count, 2))
+    ray, weight = sensor.sample_ray_differential(
+        0.0, mi.Float(wavelength), mi.Point2f(position.T), mi.Point2f(aperture.T)
+    )
+    disc = np.array(mi.warp.square_to_uniform_disk_concentric(mi.Point2f(aperture.T))).T
+    film = (position - 0.5) * (-2, 2) * SLOPE * 3.0
+    nm = CHANNELS_NM[int(3 * wavelength)] if lens.dispersion else 587.5618
+    aims = disc * mounted.pupil_radius_mm + mounted.pupil_middle_mm(film)
+    point, way, through = mounted.rays_from_film(film, aims, nm)
+    point = point * (1, 1, -1) + (1, 2, 3 + mounted.entrance_mm)
+    wanted = (point, way * (1, 1, -1), through)
+    return (np.array(ray.o).T, np.array(ray.d).T, np.array(weight).T), wanted
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_rays_are_those_of_double_precision(renderer: Renderer, name: str) -> None:
+    (origin, way, weight), (point, wanted, through) = rays(name, 5000, 0.2)
+    assert ((weight[:, 0] > 0) == through).mean() > 0.999  # the rest grazes a rim
+    seen = through & (weight[:, 0] > 0)
+    np.testing.assert_allclose(origin[seen], point[seen], atol=1e-5)
+    np.testing.assert_allclose(way[seen], wanted[seen], atol=2e-6)
+
+
+@pytest.mark.parametrize("channel", [0, 1, 2])
+def test_a_ray_of_a_dispersing_lens_has_one_channel(renderer: Renderer, channel: int) -> None:
+    sample = (channel + 0.5) / 3
+    (_, way, weight), (_, wanted, through) = rays("single", 500, sample, dispersion=True)
+    np.testing.assert_allclose(way[through], wanted[through], atol=2e-6)
+    others = [c for c in range(3) if c != channel]
+    assert (weight[through][:, channel] > 1).all()
+    assert not weight[:, others].any()
+
+
+def field(lens: Lens, film_px: int = 16, slope: float = 0.3, samples: int = 2048) -> np.ndarray:
+    """Expose a lens to a field of radiance 1 from everywhere."""
+    mi = start()
+    scene = mi.load_dict({"type": "scene", "sky": {"type": "constant", "radiance": 1.0}})
+    viewpoint = Viewpoint(np.array([0.0, 0.0, FOCUS_MM]), film_px, film_px / 2 / slope)
+    focal_mm = viewpoint.pixels_per_slope * AXIS_P1435LE.pitch_um / 1000
+    assert focal_mm > 0
+    integrator = mi.load_dict({"type": "path", "max_depth": 2})
+    return expose(
+        scene,
+        integrator,
+        viewpoint,
+        FRONTAL,
+        scale=1,
+        samples=samples,
+        seed=1,
+        lens=lens,
+        focus_mm=FOCUS_MM,
+    )
+
+
+def falls(name: str, slope: float) -> Callable[[float], float]:
+    """Return how bright a film point at a slope is beside the middle, by quadrature."""
+    constant = 16 / 2 / slope * AXIS_P1435LE.pitch_um / 1000
+    mounted = mount(find_lens(name), constant, FOCUS_MM, 1.5 * slope * constant)
+    grid = (np.arange(151) / 75 - 1) * 1.4 * mounted.pupil_radius_mm
+    aims = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
+
+    def share(at: float) -> float:
+        film = np.tile([at * constant, 0.0], (len(aims), 1))
+        _, _, through = mounted.rays_from_film(film, aims)
+        square = ((aims - film) ** 2).sum(axis=1) + mounted.pupil_mm**2
+        return float((through * mounted.pupil_mm**2 / square**2).sum())
+
+    middle = share(0.0)
+    return lambda at: share(at) / middle
+
+
+@pytest.mark.parametrize("name", ["single", "double_gauss"])
+def test_a_field_of_one_is_one_in_the_middle_and_falls_off_as_rims_make_it(
+    renderer: Renderer, name: str
+) -> None:
+    slope = 0.3
+    image = field(find_lens(name), slope=slope)[..., 1]
+    law = falls(name, slope)
+    offset = (np.arange(16) + 0.5 - 8) / 8 * slope
+    for row, column in ((7, 7), (7, 11), (7, 15), (0, 0), (15, 4)):
+        at = float(np.hypot(offset[row], offset[column]))
+        assert image[row, column] == pytest.approx(law(at), abs=0.012)
+    assert image[0, 0] < 0.95 * image[7, 7]
+
+
+def test_a_thin_lens_does_not_fall_off(renderer: Renderer) -> None:
+    np.testing.assert_allclose(field(find_lens("thin")), 1.0, atol=1e-6)
+
+
+def blurred(renderer: Renderer, lens: Lens, seed: int, depth_mm: float = FOCUS_MM) -> np.ndarray:
+    head = stand_in(1)
+    scene = renderer._stage.show(head, LIGHTINGS["side"], FRONTAL)
+    viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
+    return expose(
+        scene,
+        renderer._path(),
+        viewpoint,
+        FRONTAL,
+        scale=1,
+        samples=256,
+        seed=seed,
+        lens=lens,
+        focus_mm=depth_mm,
+    )
+
+
+def test_our_thin_lens_is_mitsubas(renderer: Renderer) -> None:
+    """The aperture is 30 mm wide and focused behind the head."""
+    mi = start()
+    head = stand_in(1)
+    viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
+    constant = viewpoint.pixels_per_slope * AXIS_P1435LE.pitch_um / 1000
+    focal_mm = 1 / (1 / constant + 1 / 600.0)
+    lens = Lens("wide", f_number=focal_mm / 30.0)
+    ours = [blurred(renderer, lens, seed, 600.0) for seed in range(8)]
+    description = describe_sensor(viewpoint, FRONTAL, viewpoint.film_px, 256)
+    description |= {"type": "thinlens", "aperture_radius": 15.0, "focus_distance": 600.0}
+    sensor, scene = mi.load_dict(description), renderer._stage._scene
+    theirs = [
+        np.array(mi.render(scene, sensor=sensor, integrator=renderer._path(), spp=256, seed=s))
+        for s in range(100, 108)
+    ]
+    sharp = np.array([blurred(renderer, find_lens("pinhole"), seed) for seed in range(8)])
+    assert_same_expectation(np.array(ours), np.array(theirs))
+    assert np.abs(np.mean(ours, axis=0) - sharp.mean(axis=0)).max() > 0.01
+
+
+def assert_same_expectation(ours: np.ndarray, theirs: np.ndarray) -> None:
+    # Mitsuba's filter is lowered to end at zero (by e^-8); its pixels differ by up to 0.1 %.
+    variance = (ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / len(ours)
+    tolerance = np.sqrt(variance + (2e-3 * ours.mean(axis=0)) ** 2)
+    z = np.abs(ours.mean(axis=0) - theirs.mean(axis=0)) / tolerance
+    assert z.max() < 1.5 * norm.isf(0.001 / z.size)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_tiny_aperture_shows_what_a_pinhole_shows(renderer: Renderer, name: str) -> None:
+    tiny = find_lens(name, f_number=2000.0)
+    through_lens = np.array([blurred(renderer, tiny, seed) for seed in range(8)])
+    pinhole = np.array([blurred(renderer, find_lens("pinhole"), seed) for seed in range(50, 58)])
+    if name != "thin":  # cos⁴ at the edge of ±20°
+        middle = through_lens.shape[1] // 2
+        window = slice(middle - 3, middle + 3)
+        through_lens, pinhole = (x[:, window, window] for x in (through_lens, pinhole))
+        through_lens = through_lens * (pinhole.mean() / through_lens.mean())
+        assert pinhole.mean() == pytest.approx(through_lens.mean(), rel=0.02)
+    assert_same_expectation(through_lens, pinhole)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_picture_is_upright_and_landmarks_are_where_it_shows_them(
+    lens_renderer: Renderer, name: str
+) -> None:
+    points = stand_in(3).landmarks
+    pose = Pose("turned", yaw_deg=20, pitch_deg=10, roll_deg=15)
+    result = lens_renderer.render(
+        dots(points),
+        pose=pose,
+        ipd_px=16,
+        scale=2,
+        samples_per_pixel=256,
+        lens=find_lens(name, f_number=8.0),
+    )
+    darkness = np.clip(1 - result.image[1].numpy() / result.image[1].numpy().max(), 0, None)
+    for x, y in result.landmarks_px.numpy():
+        column, row = round(float(x)), round(float(y))
+        window = darkness[row - 5 : row + 6, column - 5 : column + 6] ** 2
+        grid = np.mgrid[-5:6, -5:6]
+        seen = (grid * window).sum(axis=(1, 2)) / window.sum()
+        assert seen == pytest.approx([y - row, x - column], abs=0.2)
+
+
+@pytest.fixture(scope="module")
+def lens_renderer() -> Renderer:
+    """Return a renderer of its own for the dots, whose scene is loaded once."""
+    return Renderer()
+
+
+def test_all_lenses_share_one_kernel(renderer: Renderer) -> None:
+    import drjit as dr
+
+    ask = {"ipd_px": 4, "samples_per_pixel": 64}
+    for scale in (1, 2):
+        renderer.render(stand_in(0), lens="thin", scale=scale, **ask)
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory):
+        dr.kernel_history_clear()
+        renderer.render(stand_in(0), lens="single", pose="left", **ask)
+        renderer.render(stand_in(0), lens="double_gauss", lighting="below", scale=2, **ask)
+        renderer.render(stand_in(0), lens=find_lens("single", f_number=8.0, dispersion=True), **ask)
+        renderer.render(stand_in(0), lens=Lens("own", biconvex(2.0, 0.8, 0.7, "F2")), **ask)
+        history = dr.kernel_history([dr.KernelType.JIT])
+    assert len(history) >= 4
+    assert [entry["hash"] for entry in history if not entry["cache_hit"]] == []
+
+
+def test_the_same_lens_gives_the_same_bytes(renderer: Renderer) -> None:
+    ask = {"ipd_px": 4, "samples_per_pixel": 64, "lens": "double_gauss", "seed": 3}
+    first = renderer.render(stand_in(1), **ask).image
+    renderer.render(stand_in(2), ipd_px=4, samples_per_pixel=64, lens="thin")
+    assert renderer.render(stand_in(1), **ask).image.equal(first)
+
+
+def test_mitsuba_renders_with_the_sensor(renderer: Renderer) -> None:
+    """As a plain sensor of ``mi.render``: the same picture as that of our film, within noise."""
+    mi = start()
+    head = stand_in(1)
+    scene = renderer._stage.show(head, LIGHTINGS["side"], FRONTAL)
+    viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
+    lens = find_lens("double_gauss")
+    sensor = make_sensor(viewpoint, FRONTAL, viewpoint.film_px, 256, lens, 380.0)
+    theirs = [
+        np.array(mi.render(scene, sensor=sensor, integrator=renderer._path(), spp=256, seed=s))
+        for s in range(100, 108)
+    ]
+    ours = [blurred(renderer, lens, seed, 380.0) for seed in range(8)]
+    assert_same_expectation(np.array(ours), np.array(theirs))
+    assert sensor.film().size()[0] == describe_film(viewpoint.film_px)["width"]
+
+
+def test_the_table_is_what_light_from_the_film_meets() -> None:
+    mounted = mount(find_lens("single"), 3.0, FOCUS_MM, 0.5)
+    rows = table(mounted)
+    assert rows.shape == (3, ROW)
+    np.testing.assert_allclose(rows[:, 0] - mounted.image_mm, [0.0, 1.0, 1.0], atol=3e-3)
+    front, back = mounted.surfaces[1:]
+    # The back face, met first, is hollow towards the film, as its centre lies towards the scene.
+    np.testing.assert_allclose(rows[:2, 1], [-back.curvature_per_mm, -front.curvature_per_mm])
+    assert rows[0, 4] > 1
+    assert not rows[1:, 4:7].any()
+    assert image_of(mounted.surfaces, FOCUS_MM)[0] == pytest.approx(mounted.image_mm)
+
+
+def test_the_slow_variant_shows_the_same(renderer: Renderer, tmp_path: Path) -> None:
+    ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16, "lens": "single"}
+    fast = renderer.render(stand_in(0), **{**ask, "samples_per_pixel": 1024}).image.numpy()
+    code = (
+        "import sys, numpy as np; from oracles.heads import stand_in; import lrsr.rendering\n"
+        f"result = lrsr.rendering.render(stand_in(0), **{ask!r})\n"
+        "np.save(sys.argv[1], result.image.numpy())"
+    )
+    target = tmp_path / "slow.npy"
+    environment = {**os.environ, "LRSR_VARIANT": "scalar_rgb"}
+    environment["PYTHONPATH"] = str(Path(__file__).parents[1])
+    subprocess.run([sys.executable, "-c", code, str(target)], check=True, env=environment)
+    slow = np.load(target)
+    assert slow.mean() == pytest.approx(float(fast.mean()), rel=0.02)
+    assert np.abs(slow - fast).mean() < 0.03
