@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from lrsr.rendering.backend import start
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint
-from lrsr.rendering.lens import LENSES, Lens, mount
+from lrsr.rendering.lens import LENSES, Lens
+from lrsr.rendering.mounted_lens import mount
 from lrsr.rendering.scene import Pose
 from lrsr.rendering.stage import world_to_head
 

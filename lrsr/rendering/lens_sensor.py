@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from lrsr.rendering.backend import start
 from lrsr.rendering.glass import D_LINE_NM, coefficients, index_of_ray
-from lrsr.rendering.lens import CHANNELS_NM, MountedLens
+from lrsr.rendering.lens import CHANNELS_NM
+from lrsr.rendering.mounted_lens import MountedLens
 
 ROW = 10
 """Numbers of a surface in the table."""

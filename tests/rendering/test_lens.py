@@ -9,7 +9,8 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
 from lrsr.errors import InputError
-from lrsr.rendering.lens import LENSES, Lens, MountedLens, find_lens, mount, widest_f_number
+from lrsr.rendering.lens import LENSES, Lens, find_lens, widest_f_number
+from lrsr.rendering.mounted_lens import MountedLens, mount
 from lrsr.rendering.prescriptions import DOUBLE_GAUSS, biconvex
 from lrsr.rendering.surfaces import Surface, entrance_pupil, focal_length_mm, stop_number
 

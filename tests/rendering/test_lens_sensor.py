@@ -15,8 +15,9 @@ from scipy.stats import norm
 from lrsr.rendering.backend import start
 from lrsr.rendering.film import describe_film, describe_sensor, expose, make_sensor
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint, place_camera
-from lrsr.rendering.lens import CHANNELS_NM, Lens, find_lens, mount
+from lrsr.rendering.lens import CHANNELS_NM, Lens, find_lens
 from lrsr.rendering.lens_sensor import ROW, lens_sensor, table
+from lrsr.rendering.mounted_lens import mount
 from lrsr.rendering.prescriptions import biconvex
 from lrsr.rendering.renderer import Renderer
 from lrsr.rendering.scene import LIGHTINGS, POSES, Pose

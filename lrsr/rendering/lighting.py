@@ -1,0 +1,140 @@
+"""How is the face lit? Lightings as data: far discs, near panels, a fill or a map of the room.
+
+What is infinitely far away (discs, fill, map) becomes one environment map; panels stand in the
+room. A pose turns camera and lights around a head at rest, whose acceleration structure then serves
+every pose.
+"""
+
+import hashlib
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lrsr.errors import InputError
+from lrsr.rendering.lights import NEW, Light, Panel, check_colour, colour_of, spare
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """All light that reaches the face, and with it the grey behind the head.
+
+    Attributes:
+        name: For manifests.
+        lights: Far lights, or mappings of their fields; with the panels they may be none if
+            ``fill_share`` is 1.
+        fill_share: Share of the metered light that comes equally from everywhere, or from the map,
+            0..1. An even fill is the backdrop too, which after exposure therefore always has this
+            luminance.
+        fill_rgb: Its colour; scaled so that its luminance is 1.
+        panels: Near lights, or mappings of their fields.
+        fill_kelvin: Colour temperature of the fill instead, 2000..25000 K.
+        map: File of a latitude-longitude map (.exr, .hdr) that takes the place of the even fill,
+            multiplied by its colour: zenith above, twice as wide as high, in its middle what the
+            face looks at. Its scale does not matter.
+        map_deg: Turns the map about the vertical: 90 brings what was in its middle to the image's
+            right.
+    """
+
+    name: str
+    lights: tuple[Light, ...] = field(default_factory=tuple)
+    fill_share: float = 0.25
+    fill_rgb: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    panels: tuple[Panel, ...] = field(default=(), metadata=NEW)
+    fill_kelvin: float | None = field(default=None, metadata=NEW)
+    map: str | None = field(default=None, metadata=NEW)
+    map_deg: float = field(default=0.0, metadata=NEW)
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            InputError: A share outside 0..1, no light at all, a fill of no colour or two, or no
+                such file.
+        """
+        given: Iterable[Any] = self.lights  # Hydra hands over lists of mappings
+        lights = tuple(light if isinstance(light, Light) else Light(**light) for light in given)
+        near: Iterable[Any] = self.panels
+        panels = tuple(panel if isinstance(panel, Panel) else Panel(**panel) for panel in near)
+        object.__setattr__(self, "lights", lights)
+        object.__setattr__(self, "panels", panels)
+        object.__setattr__(self, "fill_rgb", tuple(self.fill_rgb))
+        count = len(lights) + len(panels)
+        if not 0 <= self.fill_share <= 1 or (self.fill_share == 1) == bool(count):
+            raise InputError(
+                f"lighting {self.name!r}: fill_share={self.fill_share} with {count}"
+                " lights; give 0 <= fill_share < 1 with lights, or 1 without"
+            )
+        check_colour(f"lighting {self.name!r}: fill_rgb", self.fill_rgb, self.fill_kelvin)
+        if self.map is not None and not Path(self.map).is_file():
+            raise InputError(f"lighting {self.name!r}: map={self.map} is no file; give an .exr")
+        if not math.isfinite(self.map_deg):
+            raise InputError(f"lighting {self.name!r}: map_deg={self.map_deg}; give a number")
+
+    @property
+    def fill_colour(self) -> NDArray[np.float64]:
+        """Linear sRGB ``(3,)`` of luminance 1."""
+        return colour_of(self.fill_rgb, self.fill_kelvin)
+
+    def record(self) -> dict[str, Any]:
+        """Return what makes this light and no other, in plain values; a file as its SHA-256.
+
+        Fields that came later are left out while they have their defaults, so that what was
+        recorded before stays true.
+        """
+        values = spare(self)
+        values["lights"] = [spare(light) for light in self.lights]
+        if self.map is not None:
+            values["map"] = hashlib.sha256(Path(self.map).read_bytes()).hexdigest()
+        return values
+
+
+LIGHTINGS = {
+    lighting.name: lighting
+    for lighting in (
+        Lighting("frontal", (Light(azimuth_deg=0.0, elevation_deg=10.0),)),
+        Lighting("above", (Light(azimuth_deg=0.0, elevation_deg=60.0),)),
+        Lighting("below", (Light(azimuth_deg=0.0, elevation_deg=-50.0),)),
+        Lighting("side", (Light(azimuth_deg=70.0, elevation_deg=10.0),)),
+    )
+}
+"""The paper's four lightings; it prints no positions, so these are estimated from its Fig. 6."""
+
+ROOMS = {
+    lighting.name: lighting
+    for lighting in (
+        Lighting(
+            "room_yellow",
+            fill_share=0.4,
+            fill_rgb=(1.0, 0.78, 0.45),
+            panels=(Panel((1500.0, 900.0, 900.0), 1200.0, 1500.0, kelvin=5000.0),),
+        ),
+        Lighting(
+            "room_blue",
+            fill_share=0.4,
+            fill_rgb=(0.7, 0.9, 1.3),
+            panels=(Panel((1500.0, 900.0, 900.0), 1200.0, 1500.0, kelvin=9000.0),),
+        ),
+    )
+}
+"""Two rooms as in SCFace (Grgic, Delac and Grgic 2011), where daylight through a window to one side
+was the only light: a window of 1.2 m by 1.5 m above and to the right, walls of a yellow and of a
+blue hue (sizes, places and hues estimated)."""
+
+
+def find_lighting(name: str | Lighting, **changes: Any) -> Lighting:
+    """Return a lighting by its name, or the lighting itself; ``changes`` replace fields.
+
+    Raises:
+        InputError: There is no lighting of that name.
+    """
+    if isinstance(name, Lighting):
+        return replace(name, **changes)
+    known = {**LIGHTINGS, **ROOMS}
+    if name not in known:
+        raise InputError(f"lighting {name!r} does not exist; choose one of {', '.join(known)}")
+    return replace(known[name], **changes)
