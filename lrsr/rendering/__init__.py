@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from lrsr.rendering.lens import Lens, find_lens
     from lrsr.rendering.radiance import Radiance
     from lrsr.rendering.renderer import Renderer, render
-    from lrsr.rendering.scene import Light, Lighting, Pose, find_lighting, find_pose
+    from lrsr.rendering.scene import Light, Lighting, Panel, Pose, find_lighting, find_pose
+    from lrsr.rendering.standpoint import Standpoint, find_standpoint
     from lrsr.rendering.surfaces import Surface
 
 _HOMES = {
@@ -22,6 +23,9 @@ _HOMES = {
     "render": "renderer",
     "Light": "scene",
     "Lighting": "scene",
+    "Panel": "scene",
+    "Standpoint": "standpoint",
+    "find_standpoint": "standpoint",
     "Pose": "scene",
     "find_lighting": "scene",
     "find_pose": "scene",
@@ -31,13 +35,16 @@ __all__ = [
     "Lens",
     "Light",
     "Lighting",
+    "Panel",
     "Pose",
     "Radiance",
     "Renderer",
+    "Standpoint",
     "Surface",
     "find_lens",
     "find_lighting",
     "find_pose",
+    "find_standpoint",
     "render",
 ]
 

@@ -7,7 +7,7 @@ pupil stands where the pinhole would, so that all lenses show the same frame.
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from lrsr.errors import InputError
@@ -76,6 +76,12 @@ class Lens:
             raise InputError(
                 f"lens {self.name!r}: f_number={self.f_number}; it opens to {widest:.4g} at most"
             )
+
+    def record(self) -> dict[str, Any]:
+        """Return what makes this lens and no other, in plain values."""
+        values = asdict(self)
+        del values["name"]
+        return values
 
     @property
     def is_pinhole(self) -> bool:

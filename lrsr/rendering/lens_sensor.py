@@ -37,7 +37,7 @@ def table(mounted: MountedLens) -> NDArray[np.float64]:
         [
             vertex,
             surface.curvature_per_mm,
-            min(surface.semi_aperture_mm**2, 1e30),
+            surface.semi_aperture_mm**2,
             surface.power_per_mm,
             *coefficients(surface.glass),
         ]

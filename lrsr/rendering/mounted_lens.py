@@ -11,6 +11,7 @@ from lrsr.errors import InputError
 from lrsr.rendering.glass import D_LINE_NM
 from lrsr.rendering.lens import Lens
 from lrsr.rendering.surfaces import (
+    WIDE_OPEN_MM,
     Surface,
     entrance_pupil,
     exit_pupil,
@@ -180,7 +181,7 @@ def _aim_at_stop(
     backwards, _ = mounted.from_film()
     number = stop_number(backwards)
     rim_mm = backwards[number].semi_aperture_mm
-    towards_stop = tuple(replace(s, semi_aperture_mm=math.inf) for s in backwards[: number + 1])
+    towards_stop = tuple(replace(s, semi_aperture_mm=WIDE_OPEN_MM) for s in backwards[: number + 1])
     short = replace(mounted, surfaces=reversed_surfaces(towards_stop))
     aims = mounted.pupil_radius_mm * stop
     for _ in range(20):

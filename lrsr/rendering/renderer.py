@@ -15,6 +15,7 @@ from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Lighting, Pose, environment, find_lighting, find_pose
 from lrsr.rendering.skin import Skin
 from lrsr.rendering.stage import Stage
+from lrsr.rendering.standpoint import Standpoint, find_standpoint
 
 RENDERER_VERSION = "2"
 """Changes whenever the same head would give other pixels."""
@@ -58,6 +59,7 @@ class Renderer:
         seed: int = 0,
         camera_m: float | None = None,
         lens: str | Lens = "pinhole",
+        standpoint: str | Standpoint = "level",
     ) -> Radiance:
         """Render one picture.
 
@@ -71,15 +73,17 @@ class Renderer:
             seed: Of the sampler, >= 0.
             camera_m: Distance of the camera, m; None: where the reference camera must stand.
             lens: Name or surfaces. It is focused on the eyes, unless it says otherwise.
+            standpoint: Name or distance and height of the camera.
 
         Returns:
             The linear picture with its landmarks.
 
         Raises:
-            InputError: No such pose, lighting or lens, or a number out of range.
+            InputError: No such pose, lighting, lens or standpoint, or a number out of range.
             NonFiniteError: A pixel is NaN or infinite.
         """
         pose, lighting, lens = find_pose(pose), find_lighting(lighting), find_lens(lens)
+        standpoint = find_standpoint(standpoint)
         if not ipd_px > 0 or scale < 1 or samples_per_pixel < 1 or seed < 0:
             raise InputError(
                 f"ipd_px={ipd_px}, scale={scale}, samples_per_pixel={samples_per_pixel},"
@@ -87,9 +91,16 @@ class Renderer:
             )
         if camera_m is not None and not camera_m > 0:
             raise InputError(f"camera_m={camera_m}: give a distance > 0, in metres")
-        viewpoint = place_camera(
-            head.pupils, ipd_px, offset_mm=pose.frame_offset_mm(), camera_m=camera_m
-        )
+        try:
+            viewpoint = place_camera(
+                head.pupils,
+                ipd_px,
+                offset_mm=pose.frame_offset_mm(),
+                camera_m=standpoint.camera_m if camera_m is None else camera_m,
+                above_m=standpoint.above_m,
+            )
+        except ValueError as error:
+            raise InputError(f"standpoint {standpoint.name!r}: {error}; give another") from error
         image = expose(
             self._stage.show(head, lighting, pose),
             self._path(),

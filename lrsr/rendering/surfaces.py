@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from lrsr.errors import InputError
 from lrsr.rendering.glass import AIR, D_LINE_NM, refractive_index
 
+WIDE_OPEN_MM = 1e6
+"""Semi-aperture of a surface whose rim is in nobody's way."""
+
 
 @dataclass(frozen=True)
 class Surface:
@@ -33,7 +36,7 @@ class Surface:
     radius_mm: float
     thickness_mm: float
     glass: str = AIR
-    semi_aperture_mm: float = math.inf
+    semi_aperture_mm: float = WIDE_OPEN_MM
     stop: bool = False
     power_per_mm: float = 0.0
 
