@@ -8,10 +8,9 @@ replaces the number.
 from collections.abc import Mapping
 from typing import Any
 
-from lrsr.errors import InputError
 from lrsr.identities.head import Material
 
-REFLECTIVE: Mapping[Material, Mapping[str, float]] = {
+MATERIALS: Mapping[Material, Mapping[str, float]] = {
     # F0 = 0.032 lies between skin's index of 1.4 (0.028, Jensen et al. 2001) and sebum's of 1.47
     # (0.036); Weyrich et al. 2006 measured lobes of width 0.2 to 0.35 on faces, α = roughness² =
     # 0.25 here.
@@ -24,20 +23,6 @@ REFLECTIVE: Mapping[Material, Mapping[str, float]] = {
     # Too thin to shine (estimated).
     "lash": {"roughness": 0.9, "specular": 0.0},
 }
-
-SKINS = {"reflective": REFLECTIVE}
-"""Skin models by name: the materials of a scene."""
-
-
-def skin_materials(skin: str) -> Mapping[Material, Mapping[str, float]]:
-    """Return the materials of a skin model.
-
-    Raises:
-        InputError: There is no skin model of that name.
-    """
-    if skin not in SKINS:
-        raise InputError(f"skin {skin!r} does not exist; choose one of {', '.join(SKINS)}")
-    return SKINS[skin]
 
 
 def bsdf(

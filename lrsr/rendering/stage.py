@@ -6,6 +6,8 @@ textures; poses turn the light (and the camera) instead of the head.
 """
 
 import gc
+import logging
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -14,31 +16,47 @@ from numpy.typing import NDArray
 
 from lrsr.identities.head import Head, Part
 from lrsr.rendering.backend import start
-from lrsr.rendering.materials import bsdf, skin_materials
+from lrsr.rendering.lamps import describe_panels, move_panels
+from lrsr.rendering.materials import MATERIALS, bsdf
 from lrsr.rendering.scene import PIVOT_MM, Lighting, Pose, environment
+from lrsr.rendering.skin import Skin, find_skin
+from lrsr.rendering.volume import (
+    LONGEST_PATH,
+    describe_boundary,
+    describe_medium,
+    medium_parameters,
+)
+
+logger = logging.getLogger(__name__)
 
 
 class Stage:
     """One scene that lives on.
 
     Args:
-        skin: Name of the skin model.
+        skin: Name of a skin, or any other.
+
+    Raises:
+        InputError: There is no such skin.
     """
 
-    def __init__(self, skin: str) -> None:
-        self._materials = skin_materials(skin)
+    def __init__(self, skin: str | Skin) -> None:
+        self.skin = find_skin(skin)
+        self._surfaces: list[Any] = []
+        self._integrator: Any = None
         self._scene: Any = None
         self._parameters: Any = None
         self._keys: dict[tuple[str, str], str] = {}
         self._topology: tuple[object, ...] = ()
         self._head: Head | None = None
         self._lighting: Lighting | None = None
+        self._panels = 0
         self._pose: Pose | None = None
 
     def show(self, head: Head, lighting: Lighting, pose: Pose) -> Any:
         """Return the ``mi.Scene`` with that head in that light, as seen from the head's frame."""
-        if head is not self._head:
-            if topology(head) == self._topology:
+        if head is not self._head or len(lighting.panels) != self._panels:
+            if topology(head) == self._topology and len(lighting.panels) == self._panels:
                 self._update_head(head)
             else:
                 self._load(head, lighting)
@@ -46,34 +64,66 @@ class Stage:
             self._update_light(lighting, pose)
         return self._scene
 
+    def integrator(self, max_depth: int, roulette_depth: int) -> Any:
+        """Return what traces the scene that was shown last, always with the same two numbers.
+
+        Args:
+            max_depth: Longest path, in edges from the camera.
+            roulette_depth: From which bounce on dim paths may end by chance.
+        """
+        if self._integrator is None:
+            self._integrator = self._make_integrator(max_depth, roulette_depth)
+        return self._integrator
+
+    def _make_integrator(self, max_depth: int, roulette_depth: int) -> Any:
+        mi = start()
+        if self._model() == "volumetric":
+            return mi.load_dict({"type": "volpathmis", "max_depth": LONGEST_PATH})
+        if self._model() == "reflective" or not self._surfaces:
+            settings = {"max_depth": max_depth, "rr_depth": roulette_depth}
+            return mi.load_dict({"type": "path", **settings})
+        from lrsr.rendering.subsurface import subsurface_integrator
+
+        return subsurface_integrator(
+            self.skin, self._surfaces, max_depth=max_depth, roulette_depth=roulette_depth
+        )
+
+    def _model(self) -> str:
+        if start().variant().startswith("scalar") and self.skin.model == "subsurface":
+            _warn_of_scalar()
+            return "reflective"
+        return self.skin.model
+
     def _load(self, head: Head, lighting: Lighting) -> None:
         mi = start()
         self._scene = self._parameters = self._head = self._lighting = self._pose = None
+        self._integrator = None
+        self._surfaces = []
         self._keys = {}
         self._topology = ()
         gc.collect()  # Dr.Jit compiles virtual calls for everything that is alive
         light = {"type": "envmap", "bitmap": mi.Bitmap(environment(lighting)[0].copy())}
         parts = {part.name: self._mesh(part) for part in head.parts}
-        self._scene = mi.load_dict({"type": "scene", "light": light, **parts})
+        panels = describe_panels(lighting)
+        self._panels = len(lighting.panels)
+        self._scene = mi.load_dict({"type": "scene", "light": light, **parts, **panels})
         self._parameters = mi.traverse(self._scene)
         self._topology = topology(head)
         self._head, self._lighting = head, lighting
 
     def _mesh(self, part: Part) -> Any:
         mi = start()
-        textures = {
-            name: {
-                "type": "bitmap",
-                "bitmap": mi.Bitmap(np.array(texture, dtype=np.float32, order="C")),
-                "raw": True,
-                "wrap_mode": "clamp",
-            }
-            for name, texture in _textures(part)
-        }
-        description, keys = bsdf(self._materials[part.material], textures)
-        self._keys |= {(part.name, name): f"{part.name}.bsdf.{keys[name]}" for name in keys}
         properties = mi.Properties()
-        properties["bsdf"] = mi.load_dict(description)
+        translucent = part.material == "skin" and self._model() == "volumetric"
+        given = [] if translucent else _textures(part)
+        textures = {name: bitmap(name, values) for name, values in given}
+        if translucent:
+            properties["bsdf"] = mi.load_dict(describe_boundary(self.skin))
+            properties["interior"] = mi.load_dict(describe_medium(self.skin, part))
+        else:
+            description, keys = bsdf(MATERIALS[part.material], textures)
+            self._keys |= {(part.name, name): f"{part.name}.bsdf.{keys[name]}" for name in keys}
+            properties["bsdf"] = mi.load_dict(description)
         mesh = mi.Mesh(
             part.name,
             len(part.vertices),
@@ -88,10 +138,11 @@ class Stage:
         values["vertex_positions"] = part.vertices.ravel()
         values["vertex_normals"] = vertex_normals(part.vertices, part.faces).ravel()
         values.update()
+        if part.material == "skin" and self._model() == "subsurface":
+            self._surfaces.append(skin_surface(mesh, textures))
         return mesh
 
     def _update_head(self, head: Head) -> None:
-        mi = start()
         if self._head is None:
             raise RuntimeError("no head to update")
         for new, old in zip(head.parts, self._head.parts, strict=True):
@@ -101,13 +152,24 @@ class Stage:
                 self._parameters[f"{new.name}.vertex_normals"] = normals.ravel()
             for (name, texture), (_, shown) in zip(_textures(new), _textures(old), strict=True):
                 if texture is not shown and not np.array_equal(texture, shown):
-                    key = self._keys[new.name, name]
-                    self._parameters[key] = mi.TensorXf(np.ascontiguousarray(texture))
+                    self._update_texture(new, name, texture)
         self._parameters.update()
         self._head = head
         # Mitsuba hands the light the bounding sphere of the head before; a second update, of the
         # light alone, hands it this one's. Else the last bits would depend on who came before.
         self._pose = None
+
+    def _update_texture(self, part: Part, name: str, texture: NDArray[np.float32]) -> None:
+        mi = start()
+        if (part.name, name) in self._keys:
+            if mi.is_spectral:  # which stores colours as coefficients
+                tensor = mi.traverse(bitmap(name, texture))["data"]
+            else:
+                tensor = mi.TensorXf(np.ascontiguousarray(texture))
+            self._parameters[self._keys[part.name, name]] = tensor
+        elif name == "albedo":
+            for key, value in medium_parameters(self.skin, part).items():
+                self._parameters[f"{part.name}.interior_medium.{key}"] = value
 
     def _update_light(self, lighting: Lighting, pose: Pose) -> None:
         mi = start()
@@ -119,6 +181,7 @@ class Stage:
                 painted, ((0, 0), (1, width - painted.shape[1] - 1), (0, 0)), mode="wrap"
             )
             self._parameters["light.data"] = mi.TensorXf(padded)
+        move_panels(self._parameters, lighting, world_to_head(pose))
         self._parameters["light.to_world"] = opaque_transform(world_to_head(pose))
         self._parameters.update()
         self._lighting, self._pose = lighting, pose
@@ -144,6 +207,35 @@ def _textures(part: Part) -> list[tuple[str, NDArray[np.float32]]]:
     maps = (("height", part.height), ("roughness", part.roughness))
     given = [(name, texture[..., None]) for name, texture in maps if texture is not None]
     return [("albedo", part.albedo), *given]
+
+
+def bitmap(name: str, texture: NDArray[np.float32]) -> Any:
+    """Make a ``mi.Texture`` of a map of that name, ``(H, W, channels)``; albedo is a colour."""
+    mi = start()
+    return mi.load_dict(
+        {
+            "type": "bitmap",
+            "bitmap": mi.Bitmap(np.array(texture, dtype=np.float32, order="C")),
+            "raw": name != "albedo" or not mi.is_spectral,  # a spectrum needs coefficients
+            "wrap_mode": "clamp",
+        }
+    )
+
+
+def skin_surface(mesh: Any, textures: Mapping[str, Any]) -> Any:
+    """Return what the tracer of translucent skin needs to know of a mesh with those textures."""
+    from lrsr.rendering.subsurface import SkinSurface
+
+    roughness = textures.get("roughness")
+    if roughness is None:
+        number = MATERIALS["skin"]["roughness"]
+        roughness = start().load_dict({"type": "uniform", "value": number})
+    return SkinSurface(mesh, textures["albedo"], roughness, textures.get("height"))
+
+
+@cache
+def _warn_of_scalar() -> None:
+    logger.warning("translucent skin needs LLVM or CUDA: it is drawn reflective instead")
 
 
 def mitsuba_uv(uv: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -1,30 +1,22 @@
-"""The numbers of the materials are legal, and an unknown skin says what exists."""
+"""The numbers of the materials are legal, and maps replace them."""
 
 from typing import get_args
 
 import pytest
 
-from lrsr.errors import InputError
 from lrsr.identities.head import Material
-from lrsr.rendering.materials import SKINS, bsdf, skin_materials
+from lrsr.rendering.materials import MATERIALS, bsdf
 
 
-@pytest.mark.parametrize("skin", SKINS)
-def test_every_material_of_a_head_has_legal_numbers(skin: str) -> None:
-    materials = skin_materials(skin)
-    assert set(materials) == set(get_args(Material))
-    assert all(0 <= value <= 1 for numbers in materials.values() for value in numbers.values())
+def test_every_material_of_a_head_has_legal_numbers() -> None:
+    assert set(MATERIALS) == set(get_args(Material))
+    assert all(0 <= value <= 1 for numbers in MATERIALS.values() for value in numbers.values())
 
 
 def test_skin_reflects_as_much_as_an_index_between_its_own_and_sebums() -> None:
     dry, oily = (((index - 1) / (index + 1)) ** 2 for index in (1.4, 1.47))
-    facing = 0.08 * skin_materials("reflective")["skin"]["specular"]
+    facing = 0.08 * MATERIALS["skin"]["specular"]
     assert facing == pytest.approx((dry + oily) / 2, abs=5e-4)
-
-
-def test_an_unknown_skin_names_the_known() -> None:
-    with pytest.raises(InputError, match="skin 'wax' does not exist; choose one of reflective"):
-        skin_materials("wax")
 
 
 def test_both_sides_of_a_sheet_are_lit() -> None:

@@ -1,0 +1,220 @@
+"""Where does the light that leaves a point of skin have entered it? Probe rays along three axes.
+
+King, Kulla, Conty and Fajardo 2013, "BSSRDF importance sampling", with a weighted reservoir over
+the hits of a probe instead of a second draw. Lengths are millimetres.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from lrsr.rendering.backend import start
+from lrsr.rendering.diffusion import NEAR, far_width, near_weight
+
+MOST_HITS = 4
+"""A probe that meets skin more often within its reach forgets the rest."""
+
+MOST_STEPS = 16
+"""Hits of anything, strands of hair included, after which a probe ends."""
+
+STEP_MM = 1e-3
+"""A probe goes on so far behind a hit: more than rounding errors, less than any two skins apart."""
+
+FACING = 0.5
+"""Points that both see the other steeper above their skin than this sine lie across a gap: lips."""
+
+REACH_WIDTHS = 14.0
+"""Where a profile ends, in its largest width: beyond is a millionth of the light."""
+
+Find = Callable[[Any, Any], tuple[Any, Any]]
+"""From a preliminary intersection and a mask: which hits are skin, and their outward normals."""
+
+
+class Profile:
+    """The diffusion profile of every lane, cut at a common reach and scaled up.
+
+    Args:
+        albedo: Diffuse albedo A of the channels, ``mi.Spectrum``, [0, 1].
+        mean_free_path_mm: Of the channels.
+        reach_mm: Farthest distance of an exit point.
+    """
+
+    def __init__(self, albedo: Any, mean_free_path_mm: Any, reach_mm: Any) -> None:
+        import drjit as dr
+
+        self.near, self.far = NEAR * mean_free_path_mm, far_width(albedo) * mean_free_path_mm
+        self.reach = dr.minimum(reach_mm, REACH_WIDTHS * dr.max(self.far))
+        weight = near_weight(albedo)
+        kept_near = weight * (1 - dr.exp(-self.reach / self.near))
+        kept_far = (1 - weight) * (1 - dr.exp(-self.reach / self.far))
+        kept = kept_near + kept_far
+        self.near_share = kept_near / kept
+        self._near_height = dr.inv_two_pi * weight / (kept * self.near)
+        self._far_height = dr.inv_two_pi * (1 - weight) / (kept * self.far)
+
+    def at(self, distance: Any) -> Any:
+        """Return R of the channels, mm⁻²."""
+        import drjit as dr
+
+        distance = dr.maximum(distance, 1e-4)
+        near = self._near_height * dr.exp(-distance / self.near)
+        far = self._far_height * dr.exp(-distance / self.far)
+        return (near + far) / distance
+
+    def draw_distance(self, choice: Any, uniform: Any) -> Any:
+        """Draw the distance of one channel's profile.
+
+        Args:
+            choice: Picks the channel and the exponential, [0, 1).
+            uniform: [0, 1).
+        """
+        import drjit as dr
+
+        channels = len(self.near)
+        scaled = choice * channels
+        width = dr.zeros(type(choice))
+        for channel in range(channels):
+            chosen = scaled - channel
+            pick = dr.select(
+                chosen < self.near_share[channel], self.near[channel], self.far[channel]
+            )
+            width = dr.select(chosen >= 0, pick, width)
+        return -width * dr.log(1 - uniform * (1 - dr.exp(-self.reach / width)))
+
+
+@dataclass
+class Exit:
+    """Where light entered.
+
+    Attributes:
+        interaction: ``mi.SurfaceInteraction3f``.
+        weight: Estimate of ∫ S dA over the density, per channel; 0: nothing was hit.
+    """
+
+    interaction: Any
+    weight: Any
+
+
+def find_exit(
+    scene: Any,
+    sampler: Any,
+    origin: Any,
+    normal: Any,
+    profile: Profile,
+    find: Find,
+    normal_share: Any,
+    active: Any,
+) -> Exit:
+    """Draw one exit point.
+
+    Args:
+        scene: ``mi.Scene``.
+        sampler: Gives five numbers, the same for every lane.
+        origin: ``mi.SurfaceInteraction3f`` at po.
+        normal: Of the skin at po, towards the viewer.
+        profile: Of every lane.
+        find: Says which hits are skin.
+        normal_share: Of the probes along the normal.
+        active: Which lanes.
+    """
+    import drjit as dr
+
+    mi = start()
+    frame = mi.Frame3f(normal)
+    turn, choice, pick = sampler.next_1d(), sampler.next_1d(), sampler.next_1d()
+    uniform = sampler.next_2d()
+    along_n = turn < normal_share
+    along_s = ~along_n & (turn < (1 + normal_share) / 2)
+    axis = dr.select(along_n, frame.n, dr.select(along_s, frame.s, frame.t))
+    first = dr.select(along_n, frame.s, dr.select(along_s, frame.t, frame.n))
+    second = dr.select(along_n, frame.t, dr.select(along_s, frame.n, frame.s))
+    distance = profile.draw_distance(choice, uniform.x)
+    sine, cosine = dr.sincos(dr.two_pi * uniform.y)
+    half = dr.sqrt(dr.maximum(dr.square(profile.reach) - dr.square(distance), 0))
+    begin = origin.p + distance * (cosine * first + sine * second) + half * axis
+    ray = mi.Ray3f(begin, -axis, dr.largest(mi.Float), origin.time, origin.wavelengths)
+
+    def weigh(point: Any, facing: Any) -> Any:
+        offset = point - origin.p
+        density = _density(frame, profile, offset, facing, normal_share)
+        wanted = dr.mean(profile.at(dr.norm(offset)))
+        seen = _inside(offset, normal, facing) & (dr.norm(offset) < profile.reach)
+        return dr.select(seen & (density > 0), wanted / density, 0)
+
+    chosen, total = jitted(_reservoir)(scene, ray, 2 * half, pick, find, weigh, active)
+    found = active & (total > 0)
+    interaction = chosen.compute_surface_interaction(ray, mi.RayFlags.All, found)
+    spread = profile.at(dr.norm(interaction.p - origin.p))
+    weight = dr.select(found, spread * (total / dr.mean(spread)), 0)
+    return Exit(interaction, weight)
+
+
+@cache
+def jitted(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Turn a function's loops into those of Dr.Jit, which must load after its LLVM is chosen."""
+    import drjit as dr
+
+    transformed: Callable[..., Any] = dr.syntax(function)
+    return transformed
+
+
+def _reservoir(
+    scene: Any, ray: Any, length: Any, pick: Any, find: Find, weigh: Any, active: Any
+) -> tuple[Any, Any]:
+    """Follow the probe; keep one hit with a chance in proportion to its weight."""
+    import drjit as dr
+
+    mi = start()
+    chosen = dr.zeros(mi.PreliminaryIntersection3f)
+    begin = mi.Point3f(ray.o)
+    left = mi.Float(length)
+    pick = mi.Float(pick)
+    last = mi.UInt32(0xFFFFFFFF)
+    total = mi.Float(0)
+    hits = mi.UInt32(0)
+    steps = mi.UInt32(0)
+    going = mi.Bool(active)
+    while dr.hint(going, label="probe"):
+        piece = mi.Ray3f(begin, ray.d, left, ray.time, ray.wavelengths)
+        hit = scene.ray_intersect_preliminary(piece, coherent=False, active=going)
+        going &= hit.is_valid()
+        skin, facing = find(hit, going)
+        skin &= going & (hit.prim_index != last)
+        weight = dr.select(skin, weigh(begin + ray.d * hit.t, facing), 0)
+        total += weight
+        keep = skin & (pick * total < weight)
+        chosen[keep] = hit
+        # One number serves all draws: what is left of it after each is uniform again.
+        share = dr.select(skin & (total > 0), weight / total, 0)
+        rest = dr.select(keep, pick / share, (pick - share) / (1 - share))
+        pick = dr.select(skin, dr.clip(dr.select(share < 1, rest, pick), 0, 1), pick)
+        last = dr.select(going, hit.prim_index, last)
+        hits += dr.select(skin, mi.UInt32(1), mi.UInt32(0))
+        steps += 1
+        going &= (hits < MOST_HITS) & (steps < MOST_STEPS) & (left > hit.t + STEP_MM)
+        begin = dr.select(going, mi.Point3f(begin + ray.d * (hit.t + STEP_MM)), begin)
+        left = dr.select(going, left - hit.t - STEP_MM, left)
+    return chosen, total
+
+
+def _density(frame: Any, profile: Profile, offset: Any, facing: Any, normal_share: Any) -> Any:
+    """Return the density per area with which all axes and channels together find a point."""
+    import drjit as dr
+
+    total = 0.0
+    local = frame.to_local(offset)
+    lengths = (dr.hypot(local.x, local.y), dr.hypot(local.y, local.z), dr.hypot(local.x, local.z))
+    tangent_share = (1 - normal_share) / 2
+    shares = (normal_share, tangent_share, tangent_share)
+    for axis, distance, share in zip((frame.n, frame.s, frame.t), lengths, shares, strict=True):
+        total += share * dr.abs(dr.dot(facing, axis)) * dr.mean(profile.at(distance))
+    return total
+
+
+def _inside(offset: Any, here: Any, there: Any) -> Any:
+    """Tell whether light may go straight from one point to the other through the skin."""
+    import drjit as dr
+
+    length = FACING * dr.norm(offset)
+    return ~((dr.dot(offset, here) > length) & (-dr.dot(offset, there) > length))
