@@ -29,7 +29,10 @@ from lrsr.paths import cache_folder
 from lrsr.rendering.geometry import film_size_px
 
 if TYPE_CHECKING:
+    from lrsr.rendering.lens import Lens
     from lrsr.rendering.scene import Lighting, Pose
+    from lrsr.rendering.skin import Skin
+    from lrsr.rendering.standpoint import Standpoint
 
 Pair = tuple[torch.Tensor, torch.Tensor]
 _CHUNK = 64
@@ -56,11 +59,13 @@ class ProbeDataModule(LightningDataModule):
             ``seed``; None: all.
         pairs: Scales of the films of input and target, e.g. ``[[1, 2], [2, 4]]``: the second pair
             shows a 2× network that is applied twice what its second pass meets. None: 1 to scale.
+        lens: Of both pictures, name or any surfaces.
+        standpoint: Of both pictures, name or any place of the camera.
         camera: Takes both pictures; its own compression is not used. None: the reference camera.
         cache: Folder of the render cache; None: the user's.
         samples_per_pixel: Of the ×1 film.
         texture_size: Of the heads' albedo, px.
-        skin: Skin model of the renderer.
+        skin: Name of a skin, or any other.
         max_depth: Longest light path.
         batch_size: Patches a step.
         patch_px: Side of an input patch.
@@ -89,11 +94,13 @@ class ProbeDataModule(LightningDataModule):
         compressions: Sequence[str] = ("none",),
         views: int | None = None,
         pairs: Sequence[Sequence[int]] | None = None,
+        lens: "str | Lens" = "pinhole",
+        standpoint: "str | Standpoint" = "level",
         camera: Camera | None = None,
         cache: str | Path | None = None,
         samples_per_pixel: int = 2048,
         texture_size: int = 1024,
-        skin: str = "reflective",
+        skin: "str | Skin" = "reflective",
         max_depth: int = 5,
         batch_size: int = 128,
         patch_px: int = 33,
@@ -124,6 +131,8 @@ class ProbeDataModule(LightningDataModule):
             texture_size=texture_size,
             skin=skin,
             max_depth=max_depth,
+            lens=lens,
+            standpoint=standpoint,
         )
         self.batch_size = batch_size
         self.patch_px, self.label_px, self.stride_px = patch_px, label_px, stride_px

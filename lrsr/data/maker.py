@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from lrsr.identities.head import Head
     from lrsr.rendering.radiance import Radiance
     from lrsr.rendering.renderer import Renderer
+    from lrsr.rendering.skin import Skin
 
 
 class Maker(Protocol):
@@ -31,7 +32,7 @@ class MitsubaMaker:
     """The procedural heads of :mod:`lrsr.identities`, rendered by :mod:`lrsr.rendering`."""
 
     def __init__(self) -> None:
-        self._renderers: dict[tuple[str, int], Renderer] = {}
+        self._renderers: dict[tuple[str | Skin, int], Renderer] = {}
 
     @property
     def versions(self) -> Mapping[str, str]:
@@ -76,6 +77,8 @@ class MitsubaMaker:
             scale=recipe.scale,
             samples_per_pixel=recipe.samples_per_pixel,
             seed=recipe.seed,
+            lens=recipe.lens,
+            standpoint=recipe.standpoint,
         )
         return replace(radiance, person=describe(head))
 

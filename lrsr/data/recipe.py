@@ -10,7 +10,10 @@ from lrsr.errors import InputError
 from lrsr.identities.expression import Expression, find_expression
 from lrsr.identities.population import EVERYBODY, Population
 from lrsr.identities.splits import SPLITS, Split
+from lrsr.rendering.lens import Lens, find_lens
 from lrsr.rendering.scene import Lighting, Pose, find_lighting, find_pose
+from lrsr.rendering.skin import Skin, find_skin, named
+from lrsr.rendering.standpoint import Standpoint, find_standpoint
 
 Kind = Literal["probe", "gallery"]
 KINDS = ("probe", "gallery")
@@ -32,14 +35,17 @@ class ProbeRecipe:
         samples_per_pixel: Of the ×1 film; a finer film spreads the same rays over more pixels.
         seed: Of the sampler, 0 to 2**32 - 1; :func:`derived_seed` makes one for each picture.
         texture_size: Of the head's albedo, px.
-        skin: Skin model of the renderer.
+        skin: Name of a skin, or any other; see :mod:`lrsr.rendering.skin`.
         max_depth: Longest light path.
         population: From whom the person is drawn.
         draw: How often the person was redrawn; see :mod:`lrsr.identities.roster`.
         expression: Name of an expression, or one with any face units.
+        lens: Name of a lens, or any surfaces.
+        standpoint: Name of a place of the camera, or any.
 
     Raises:
-        InputError: A value is out of its range, or there is no such pose, lighting or expression.
+        InputError: A value is out of its range, or there is no such pose, lighting, expression,
+            lens or standpoint.
     """
 
     split: Split
@@ -52,14 +58,17 @@ class ProbeRecipe:
     samples_per_pixel: int = 2048
     seed: int = 0
     texture_size: int = 1024
-    skin: str = "reflective"
+    skin: str | Skin = "reflective"
     max_depth: int = 5
     population: Population = EVERYBODY
     draw: int = 0
     expression: str | Expression = "neutral"
+    lens: str | Lens = "pinhole"
+    standpoint: str | Standpoint = "level"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ipd_px", float(self.ipd_px))  # 8 and 8.0 are one picture
+        object.__setattr__(self, "skin", named(self.skin))  # configurations hold numbers
         wanted = {
             "split": (self.split in SPLITS, f"one of {', '.join(SPLITS)}"),
             "kind": (self.kind in KINDS, f"one of {', '.join(KINDS)}"),
@@ -78,6 +87,8 @@ class ProbeRecipe:
         find_pose(self.pose)
         find_lighting(self.lighting)
         find_expression(self.expression)
+        find_lens(self.lens)
+        find_standpoint(self.standpoint)
 
     @property
     def identity_id(self) -> str:
@@ -105,20 +116,34 @@ class ProbeRecipe:
         redrawn = [self.draw] if self.draw else []
         acting = find_expression(self.expression)
         acted = [acting] if acting.units else []
-        return replace(self, seed=derived_seed(seed, *what, self.scale, *other, *redrawn, *acted))
+        seen = [self._seen()] if self._seen() else []
+        words = [*what, self.scale, *other, *redrawn, *acted, *seen]
+        return replace(self, seed=derived_seed(seed, *words))
+
+    def _seen(self) -> dict[str, Any]:
+        """Return lens and standpoint in plain values; a level pinhole is left out."""
+        lens, place = find_lens(self.lens), find_standpoint(self.standpoint)
+        seen: dict[str, Any] = {} if lens.is_pinhole else {"lens": lens.record()}
+        if place.record() != find_standpoint("level").record():
+            seen["standpoint"] = place.record()
+        return seen
 
     def plain(self, versions: Mapping[str, str]) -> dict[str, Any]:
         """Return everything that changes the pixels, as numbers, strings, lists and mappings.
 
         ``kind`` is left out: a gallery picture and a probe of the same light are the same pixels.
-        Poses, lightings and expressions go in as angles, lights and face units, named or not.
+        Poses, lightings and expressions go in as angles, lights and face units, named or not;
+        lenses and standpoints as surfaces and places, if the camera is no level pinhole.
 
         Args:
             versions: Of the code that makes them, e.g. ``{"renderer": "3", "variant": ...}``.
         """
         pose, lighting = find_pose(self.pose), find_lighting(self.lighting)
         values = asdict(replace(self, pose=pose, lighting=lighting))
-        del values["kind"]
+        for name in ("kind", "lens", "standpoint"):
+            del values[name]
+        values |= {"lighting": lighting.record(), **self._seen()}
+        values["skin"] = find_skin(self.skin).plain()
         values["expression"] = dict(find_expression(self.expression).units)
         return {**values, "versions": dict(versions)}
 
@@ -136,6 +161,12 @@ def derived_seed(seed: int, *what: object) -> int:
         >>> derived_seed(0, "train-00000", "left") == derived_seed(0, "train-00000", "up")
         False
     """
-    words = [asdict(w) if is_dataclass(w) and not isinstance(w, type) else w for w in what]
-    text = json.dumps([seed, *words], sort_keys=True)
+    text = json.dumps([seed, *map(_plain, what)], sort_keys=True)
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
+
+
+def _plain(value: object) -> object:
+    """Return what makes a dataclass in plain values; anything else as it is."""
+    if isinstance(value, Lighting):
+        return value.record()
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value

@@ -22,11 +22,16 @@ from lrsr.identities.expression import find_expression
 from lrsr.identities.roster import UNCHECKED, Cast
 from lrsr.identities.splits import Split
 from lrsr.paths import cache_folder
+from lrsr.rendering.lens import find_lens
 from lrsr.rendering.radiance import Radiance
+from lrsr.rendering.standpoint import find_standpoint
 
 if TYPE_CHECKING:
     from lrsr.identities.expression import Expression
+    from lrsr.rendering.lens import Lens
     from lrsr.rendering.scene import Lighting, Pose
+    from lrsr.rendering.skin import Skin
+    from lrsr.rendering.standpoint import Standpoint
 
 _CHUNK = 64
 
@@ -52,11 +57,13 @@ class RenderSettings:
         camera: Takes the pictures; its own compression is not used. None: the reference camera.
         samples_per_pixel: Of the ×1 film.
         texture_size: Of the heads' albedo, px.
-        skin: Skin model of the renderer.
+        skin: Name of a skin, or any other.
         max_depth: Longest light path.
         seed: Of the noise.
         cache: Folder of the render cache; None: the user's.
         expression: Name, or any face units; an enrolled face is neutral.
+        lens: Name, or any surfaces; an enrolled picture is a pinhole's.
+        standpoint: Name, or any place of the camera; level for an enrolled picture.
 
     Raises:
         InputError: A number is out of range, the roster does not reach that far, or there is no
@@ -77,12 +84,14 @@ class RenderSettings:
     camera: Camera | None = None
     samples_per_pixel: int = 2048
     texture_size: int = 1024
-    skin: str = "reflective"
+    skin: "str | Skin" = "reflective"
     max_depth: int = 5
     seed: int = 0
     cache: Path | None = None
     cast: Cast = UNCHECKED
     expression: "str | Expression" = "neutral"
+    lens: "str | Lens" = "pinhole"
+    standpoint: "str | Standpoint" = "level"
 
     def __post_init__(self) -> None:
         if self.count < 1:
@@ -100,6 +109,8 @@ class RenderSettings:
             pose="frontal",
             lighting="frontal",
             expression="neutral",
+            lens="pinhole",
+            standpoint="level",
             compression="none",
             ipd_px=GALLERY_IPD_PX,
             samples_per_pixel=min(self.samples_per_pixel, GALLERY_SAMPLES),
@@ -123,6 +134,8 @@ class RenderSettings:
                 population=self.cast.population,
                 draw=self.cast.draw(self.split, index),
                 expression=self.expression,
+                lens=self.lens,
+                standpoint=self.standpoint,
             ).seeded(self.seed)
             for index in range(self.start, self.start + self.count)
         ]
@@ -181,8 +194,14 @@ def write_pictures(
             probes = photograph(radiances, camera, [settings.kind] * len(chunk))
             for probe, radiance, recipe in zip(probes, radiances, chunk, strict=True):
                 linear = _exposed(radiance, camera) if settings.png16 else None
-                worn = find_expression(recipe.expression).name
-                yield write_picture(settings.out, probe, linear, expression=worn)
+                yield write_picture(
+                    settings.out,
+                    probe,
+                    linear,
+                    expression=find_expression(recipe.expression).name,
+                    lens=find_lens(recipe.lens).name,
+                    standpoint=find_standpoint(recipe.standpoint).name,
+                )
 
 
 def _earlier(folder: Path) -> list[ManifestRow]:
@@ -210,6 +229,8 @@ def write_picture(
     linear: torch.Tensor | None = None,
     *,
     expression: str = "neutral",
+    lens: str = "pinhole",
+    standpoint: str = "level",
 ) -> ManifestRow:
     """Write a picture, and its linear light where that is given; return its row.
 
@@ -217,8 +238,8 @@ def write_picture(
         InputError: The folder cannot be written.
     """
     condition = f"{probe.kind}_{probe.pose}_{probe.lighting}_{probe.compression}"
-    if expression != "neutral":
-        condition += f"_{expression}"
+    for name, usual in ((expression, "neutral"), (lens, "pinhole"), (standpoint, "level")):
+        condition += f"_{name}" if name != usual else ""
     stem = re.sub(
         r"[^\w.-]+", "-", f"{probe.identity_id}_{condition}_ipd{probe.ipd_px:g}_x{probe.scale}"
     )
@@ -240,4 +261,6 @@ def write_picture(
         linear_file="" if linear is None else f"{stem}_linear16.png",
         **about(probe.person),
         expression=expression,
+        lens=lens,
+        standpoint=standpoint,
     )

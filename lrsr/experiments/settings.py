@@ -1,16 +1,19 @@
 """What can be asked of a verification experiment, checked before any work begins."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lrsr.camera.codec import COMPRESSIONS
 from lrsr.configuration import number, numbers, require, section, whole_number, whole_numbers, words
 from lrsr.identities.roster import Casting
 from lrsr.identities.splits import SPLITS
+from lrsr.rendering.skin import named
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
+    from lrsr.rendering.lens import Lens
+    from lrsr.rendering.standpoint import Standpoint
 
 LEAST_SAMPLES = 64
 """Samples per pixel of a large face, unless it is told to take fewer."""
@@ -41,12 +44,13 @@ class IdentityRange(Casting):
 class RenderingSettings:
     """How light becomes a film; see ``conf/rendering``."""
 
-    skin: str = "reflective"
+    skin: Any = "reflective"
     samples_per_pixel: int = 512
     max_depth: int = 5
     texture_size: int = 1024
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "skin", named(self.skin))
         for key in ("samples_per_pixel", "max_depth", "texture_size"):
             require(getattr(self, key) >= 1, f"rendering.{key}", getattr(self, key), "at least 1")
 
@@ -125,6 +129,8 @@ class VerificationSettings:
         rendering: How light becomes a film.
         seed: Every sampler's seed follows from it.
         level: Of every interval, between 0 and 1.
+        lens: Of the probes, name or any surfaces; the gallery's is a pinhole.
+        standpoint: Of the probes' camera, name or any place; the gallery's is level.
     """
 
     name: str
@@ -136,6 +142,8 @@ class VerificationSettings:
     rendering: RenderingSettings
     seed: int
     level: float
+    lens: "str | Lens" = "pinhole"
+    standpoint: "str | Standpoint" = "level"
 
     def __post_init__(self) -> None:
         count = self.identities.count
@@ -152,6 +160,8 @@ def verification_settings(config: "DictConfig") -> VerificationSettings:
         InputError: A value is out of range; the message names the setting and the remedy.
         omegaconf.errors.ValidationError: A value has the wrong type.
     """
+    from hydra.utils import instantiate  # loaded by then
+
     return VerificationSettings(
         name=str(config.name),
         question=str(config.question),
@@ -162,6 +172,8 @@ def verification_settings(config: "DictConfig") -> VerificationSettings:
         rendering=section(RenderingSettings, config, "rendering"),
         seed=whole_number(config, "seed"),
         level=number(config, "level"),
+        lens=instantiate(config.lens),
+        standpoint=instantiate(config.standpoint),
     )
 
 

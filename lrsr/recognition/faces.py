@@ -8,6 +8,7 @@ the best epoch; nobody of "test" is touched.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import torch
@@ -51,7 +52,7 @@ class FaceSettings(Casting):
         validation_identities: People of the split "validation", >= 2.
         validation_samples: Rays per pixel of their small views; an experiment takes 2048.
         texture_size: Of the heads' albedo, px.
-        skin: Skin model of the renderer.
+        skin: Name of a skin, or any other.
         max_depth: Longest light path.
         antialias: Average when alignment makes a face smaller; goes into the contract.
         seed: Poses, lights and samplers follow from it.
@@ -72,7 +73,7 @@ class FaceSettings(Casting):
     validation_identities: int = 60
     validation_samples: int = 256
     texture_size: int = 1024
-    skin: str = "reflective"
+    skin: Any = "reflective"
     max_depth: int = 5
     antialias: bool = True
     seed: int = 0

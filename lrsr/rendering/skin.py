@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, get_args
 
 from lrsr.errors import InputError
@@ -77,6 +77,10 @@ class Skin:
         """Its name among :data:`SKINS`; of any other, the model's name with "own-" before it."""
         return next((name for name, skin in SKINS.items() if skin == self), f"own-{self.model}")
 
+    def plain(self) -> str | dict[str, Any]:
+        """Return all that changes pixels; of skin that reflects, that is the name alone."""
+        return "reflective" if self.model == "reflective" else asdict(self)
+
 
 SKINS = {
     "reflective": Skin("reflective"),
@@ -110,3 +114,17 @@ def find_skin(skin: "str | Skin | Mapping[str, Any]", **changes: Any) -> Skin:
         if key not in known:
             raise InputError(f"skin.{key} does not exist; choose of {', '.join(known)}")
     return replace(skin, **given) if isinstance(skin, Skin) else Skin(**given)
+
+
+def named(skin: "str | Skin | Mapping[str, Any]") -> str | Skin:
+    """Return the name of a skin that has one among :data:`SKINS`, else the skin.
+
+    Raises:
+        InputError: There is no such skin.
+
+    Example:
+        >>> named({"model": "subsurface", "fixed": "scattering"})
+        'subsurface_tone'
+    """
+    found = find_skin(skin)
+    return found.name if found.name in SKINS else found
