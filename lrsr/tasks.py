@@ -64,6 +64,8 @@ def run_render(config: "DictConfig") -> Path:
         kind=config.kind,
         pose=_instantiate(config.pose),
         lighting=_instantiate(config.lighting),
+        lens=_instantiate(config.lens),
+        standpoint=_instantiate(config.standpoint),
         expression=_instantiate(config.expression),
         compression=str(config.compression),
         ipd_px=number(config, "ipd_px"),

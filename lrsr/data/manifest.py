@@ -39,6 +39,8 @@ class ManifestRow:
             :mod:`lrsr.identities.person`.
         skin_tone: Its class, "very light" to "dark".
         expression: Name.
+        lens: Name.
+        standpoint: Name.
     """
 
     file: str
@@ -59,6 +61,8 @@ class ManifestRow:
     ita_deg: str = ""
     skin_tone: str = ""
     expression: str = "neutral"
+    lens: str = "pinhole"
+    standpoint: str = "level"
 
 
 COLUMNS = tuple(field.name for field in fields(ManifestRow))
@@ -136,6 +140,8 @@ def _row(path: Path, line: int, values: dict[str, str | None], pictures: bool) -
                 "seed": int(texts["seed"]),
                 "landmarks_px": tuple(_finite(x) for x in texts["landmarks_px"].split()),
                 "expression": texts["expression"] or "neutral",
+                "lens": texts["lens"] or "pinhole",
+                "standpoint": texts["standpoint"] or "level",
             }  # type: ignore[arg-type]  # the keys are the fields, converted where not text
         )
     except ValueError as error:

@@ -100,6 +100,8 @@ class Verification:
             ipd_px=condition.ipd_px,
             scale=scale,
             samples_per_pixel=self.settings.rendering.samples_at(condition.ipd_px),
+            lens=self.settings.lens,
+            standpoint=self.settings.standpoint,
         )
 
     def outcomes(self) -> Iterator[Outcome]:

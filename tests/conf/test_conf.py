@@ -9,6 +9,7 @@ from omegaconf import OmegaConf
 
 from lrsr.identities.expression import EXPRESSIONS, find_expression
 from lrsr.paths import config_folder
+from lrsr.rendering.lens import LENSES
 
 FOLDER = config_folder()
 EXPERIMENTS = sorted(path.stem for path in (FOLDER / "experiment").glob("*.yaml"))
@@ -58,6 +59,22 @@ def test_the_six_options_are_table_2_of_the_paper() -> None:
 def test_every_named_expression_has_a_file(name: str) -> None:
     config = OmegaConf.create(composed("render", "out=x", f"expression={name}"))
     assert instantiate(config.expression) == find_expression(name)
+
+
+@pytest.mark.parametrize("name", LENSES)
+def test_every_named_lens_has_a_file(name: str) -> None:
+    assert {path.stem for path in (FOLDER / "lens").glob("*.yaml")} == set(LENSES)
+    for command in ("render", "eval"):
+        overrides = ["out=x"] if command == "render" else []
+        config = OmegaConf.create(composed(command, f"lens={name}", *overrides))
+        assert instantiate(config.lens) == LENSES[name]
+
+
+def test_a_lens_and_a_standpoint_can_be_changed_on_the_command_line() -> None:
+    given = ["lens=single", "+lens.f_number=8", "standpoint=scface_near", "out=x"]
+    config = OmegaConf.create(composed("render", *given, "+standpoint.eye_height_m=1.7"))
+    assert instantiate(config.lens).f_number == 8
+    assert instantiate(config.standpoint).above_m == pytest.approx(0.55)
 
 
 def test_face_units_can_be_given_on_the_command_line() -> None:

@@ -66,6 +66,12 @@ def test_input_and_target_show_the_same_place(folder: Path, maker: FakeMaker) ->
     assert float((inputs[..., :-12, :-12] - targets).square().mean()) > 2e-3
 
 
+def test_both_films_have_the_lens_and_the_standpoint(folder: Path, maker: FakeMaker) -> None:
+    data = module(folder, maker, lens="single", standpoint="scface_far")
+    recipes = [*data.recipes("train", 1), *data.recipes("validation", 2)]
+    assert {(recipe.lens, recipe.standpoint) for recipe in recipes} == {("single", "scface_far")}
+
+
 def test_training_and_validation_share_nobody(folder: Path, maker: FakeMaker) -> None:
     data = module(folder, maker, count=40, start=3, validation_fraction=0.25)
     train = {recipe.identity_id for recipe in data.recipes("train", 1)}

@@ -98,6 +98,8 @@ def test_everything_the_recipe_says_reaches_the_renderer() -> None:
         "scale": 2,
         "samples_per_pixel": 2048,
         "seed": 3,
+        "lens": "pinhole",
+        "standpoint": "level",
     }
 
 

@@ -66,10 +66,11 @@ def test_a_row_tells_who_it_shows(folder: Path) -> None:
 
 
 def test_a_manifest_of_before_there_were_expressions_is_read(folder: Path) -> None:
-    smiling = replace(ROW, expression="smile")
+    smiling = replace(ROW, expression="smile", lens="single", standpoint="scface_far")
     assert read_manifest(write_manifest(folder, [smiling]).parent) == [smiling]
-    rewrite(folder, ",expression\n", "\n")
+    rewrite(folder, ",expression,lens,standpoint\n", "\n")
     assert [row.expression for row in read_manifest(folder)] == ["neutral", "neutral"]
+    assert {(row.lens, row.standpoint) for row in read_manifest(folder)} == {("pinhole", "level")}
 
 
 def test_any_csv_reader_reads_it(folder: Path) -> None:

@@ -11,7 +11,9 @@ from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.errors import InputError
 from lrsr.identities.expression import EXPRESSIONS, Expression
 from lrsr.identities.population import Population
+from lrsr.rendering.lens import Lens, find_lens
 from lrsr.rendering.scene import LIGHTINGS, POSES, Light, Lighting, Pose
+from lrsr.rendering.standpoint import Standpoint, find_standpoint
 
 RECIPE = ProbeRecipe("test", 3)
 VERSIONS = {"renderer": "1"}
@@ -30,6 +32,8 @@ OTHERS: dict[str, Any] = {
     "population": Population("female"),
     "draw": 1,
     "expression": "smile",
+    "lens": "thin",
+    "standpoint": "scface_far",
 }
 
 
@@ -75,6 +79,31 @@ def test_an_expression_has_noise_of_its_own_and_neutral_that_of_before() -> None
     )
 
 
+def test_a_lens_is_its_surfaces_and_a_standpoint_its_place() -> None:
+    mine = replace(find_lens("single"), name="mine")
+    assert key(replace(RECIPE, lens=mine)) == key(replace(RECIPE, lens="single"))
+    assert key(replace(RECIPE, lens=Lens("none"))) == key(RECIPE)
+    slower = find_lens("single", f_number=8.0)
+    assert key(replace(RECIPE, lens=slower)) != key(replace(RECIPE, lens="single"))
+    place = replace(find_standpoint("scface_far"), name="mine")
+    assert key(replace(RECIPE, standpoint=place)) == key(replace(RECIPE, standpoint="scface_far"))
+    assert key(replace(RECIPE, standpoint=Standpoint("eyes", height_m=1.6))) == key(RECIPE)
+
+
+def test_pictures_of_before_keep_their_keys_and_their_noise() -> None:
+    """Written by lrsr 0.1.0, which knew one lens, one standpoint and no panels."""
+    lamps = (Light(10.0, 20.0), Light(-30.0, 40.0, 15.0, 2.0, (1.1, 1.0, 0.9)))
+    recipe = replace(RECIPE, pose="left", lighting=Lighting("mine", lamps, 0.4)).seeded(7)
+    assert recipe.seed == 1150136395
+    assert key(recipe) == "d54e75e157f30f4f19e0798fb90957d861603871bef1fed0f199c1b847b593e2"
+
+
+def test_a_lens_has_noise_of_its_own() -> None:
+    seen = [replace(RECIPE, lens=lens).seeded(7).seed for lens in ("pinhole", "thin", "single")]
+    seen += [replace(RECIPE, standpoint="scface_near").seeded(7).seed]
+    assert len(set(seen)) == 4
+
+
 def test_any_pose_and_any_lighting_become_plain_values() -> None:
     recipe = replace(
         RECIPE,
@@ -111,6 +140,8 @@ def test_a_key_is_the_sha_256_of_the_canonical_json() -> None:
         ({"pose": "sideways"}, "pose 'sideways' does not exist; choose one of frontal"),
         ({"expression": "laugh"}, "expression 'laugh' does not exist; choose one of neutral"),
         ({"lighting": "noon"}, "lighting 'noon' does not exist; choose one of frontal"),
+        ({"lens": "zoom"}, "lens 'zoom' does not exist; choose one of pinhole"),
+        ({"standpoint": "roof"}, "standpoint 'roof' does not exist; choose one of level"),
     ],
     ids=lambda value: "-".join(value) if isinstance(value, dict) else "",
 )

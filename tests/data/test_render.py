@@ -84,6 +84,30 @@ def test_an_expression_is_named_in_the_manifest_and_in_the_file(
     assert ["_smile_" in row.file for row in rows] == [False, False, True, True]
 
 
+def test_lens_and_standpoint_are_named_in_the_manifest_and_in_the_file(
+    settings: RenderSettings, maker: FakeMaker
+) -> None:
+    render(settings, maker)
+    render(replace(settings, lens="single", standpoint="scface_far"), maker)
+    rows = read_manifest(settings.out)
+    assert [(row.lens, row.standpoint) for row in rows[::2]] == [
+        ("pinhole", "level"),
+        ("single", "scface_far"),
+    ]
+    assert ["_single_scface_far_" in row.file for row in rows] == [False, False, True, True]
+    assert [recipe.lens for recipe in maker.renders] == ["pinhole"] * 2 + ["single"] * 2
+
+
+def test_an_enrolled_picture_is_a_level_pinholes(
+    settings: RenderSettings, maker: FakeMaker
+) -> None:
+    asked = replace(settings, kind="gallery", lens="single", standpoint="scface_far")
+    render(asked, maker)
+    assert {(row.lens, row.standpoint) for row in read_manifest(settings.out)} == {
+        ("pinhole", "level")
+    }
+
+
 def test_a_gallery_is_neutral(settings: RenderSettings, maker: FakeMaker) -> None:
     render(replace(settings, kind="gallery", expression="smile"), maker)
     assert {row.expression for row in read_manifest(settings.out)} == {"neutral"}

@@ -18,6 +18,8 @@ from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
 from lrsr.identities.roster import Roster, write_roster
 from lrsr.paths import config_folder
+from lrsr.rendering.lens import find_lens
+from lrsr.rendering.standpoint import find_standpoint
 
 
 def composed(*overrides: str) -> DictConfig:
@@ -37,6 +39,13 @@ def test_demo_has_24_identities_and_all_six_methods() -> None:
         settings = verification_settings(compose("demo"))
     assert settings.identities.count == 24
     assert len(settings.methods) == 6
+
+
+def test_probes_have_the_lens_and_the_standpoint_that_were_asked_for() -> None:
+    settings = verification_settings(composed("lens=single", "standpoint=scface_far"))
+    assert settings.lens == find_lens("single")
+    assert settings.standpoint == find_standpoint("scface_far")
+    assert verification_settings(composed()).lens == find_lens("pinhole")
 
 
 def test_conditions_are_sizes_times_options() -> None:

@@ -72,6 +72,17 @@ def test_the_people_are_those_of_the_population_and_the_roster(
     assert {recipe.draw for recipe in recipes if recipe.index != 3} == {0}
 
 
+def test_the_lens_is_that_of_the_probes_and_not_of_the_gallery(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    settings = replace(SETTINGS, lens="single", standpoint="scface_far")
+    experiment = trial(tmp_path, tone_model, settings)
+    probes = experiment.probe_recipes(SETTINGS.conditions[0], 4)
+    assert {(recipe.lens, recipe.standpoint) for recipe in probes} == {("single", "scface_far")}
+    gallery = experiment.gallery_recipes()
+    assert {(recipe.lens, recipe.standpoint) for recipe in gallery} == {("pinhole", "level")}
+
+
 def test_a_probe_has_other_noise_than_its_gallery_picture(tmp_path: Path, tone_model: Path) -> None:
     experiment = trial(tmp_path, tone_model)
     (condition,) = SETTINGS.conditions
