@@ -11,6 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.rendering.pose import FOLLOW, PIVOT_MM
+
 Band = Literal["VLR", "MLR", "ULR", "HR"]
 
 FRAME_IPDS = 4
@@ -235,15 +237,23 @@ def place_camera(
     height_mm = -FRAME_DROP_IPDS * ipd_mm
     # Pupils off the plane z = 0, or not level, make the first guess miss by parts in a thousand.
     for _ in range(8):
-        frontal = _viewpoint((0.0, height_mm), away_mm, above_m, film_px, focal_px)
+        lift_mm = _lift_mm(math.asin(1000 * above_m / away_mm))
+        frontal = _viewpoint((0.0, height_mm + lift_mm), away_mm, above_m, film_px, focal_px)
         left, right = frontal.project(pupils_mm)
         excess = float(np.hypot(*(right - left))) / ipd_px
         if camera_m is None:
             away_mm *= excess
         else:
             focal_px /= excess
-    shift = (offset_mm[0], height_mm + offset_mm[1])
+    shift = (offset_mm[0], height_mm + lift_mm + offset_mm[1])
     return _viewpoint(shift, away_mm, above_m, film_px, focal_px)
+
+
+def _lift_mm(elevation: float) -> float:
+    """Return how far a frame from above moves up, as it does for a head that bows as much."""
+    _, up, ahead = -PIVOT_MM
+    sinks = up * (math.cos(elevation) - 1) - ahead * math.sin(elevation)
+    return float(-(1 - FOLLOW) * sinks) + 0.0
 
 
 def _viewpoint(

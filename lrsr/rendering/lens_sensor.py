@@ -130,7 +130,8 @@ def _opaque(sensor: Any) -> dict[str, Any]:
         "pupil": mounted.pupil_mm,
         "radius": mounted.pupil_radius_mm,
         "entrance": mounted.entrance_mm,
-        "gain": mounted.pupil_radius_mm**2 / max(mounted.brightness, 1e-30),
+        "growth": mounted.pupil_growth_per_mm,
+        "brightness": max(mounted.brightness, 1e-30),
         "falls_off": float(mounted.falls_off),
         "disperse": float(sensor._disperse),
     }
@@ -153,9 +154,10 @@ def _wavefront_ray(
     film = mi.Vector3f(
         (position.x - 0.5) * number["width"], (0.5 - position.y) * number["width"], 0.0
     )
-    disc = number["radius"] * mi.warp.square_to_uniform_disk_concentric(aperture)
     first, third, fifth = number["shift"]
     square = dr.square(film.x) + dr.square(film.y)
+    radius = number["radius"] + number["growth"] * square
+    disc = radius * mi.warp.square_to_uniform_disk_concentric(aperture)
     shift = first + square * (third + square * fifth)
     aim = mi.Vector3f(disc.x + shift * film.x, disc.y + shift * film.y, number["pupil"]) - film
     cosine = number["pupil"] * dr.rcp(dr.norm(aim))
@@ -164,7 +166,7 @@ def _wavefront_ray(
     point, way, through = _refract(
         number["table"], number["count"], film, aim, traced_um, mi.Bool(active)
     )
-    fall = number["gain"] * cosine**4 / dr.square(number["pupil"])
+    fall = dr.square(radius * dr.square(cosine) / number["pupil"]) / number["brightness"]
     weight = weight * dr.select(number["falls_off"] > 0, fall, 1.0)
     # z runs from the film to the scene here, and the other way in the frame of the entrance pupil.
     origin = [point.x, point.y, number["entrance"] - point.z]
@@ -243,7 +245,8 @@ def _scalar_ray(
     mounted = sensor._mounted
     film = np.array([[position[0] - 0.5, 0.5 - position[1]]]) * sensor._width
     disc = mi.warp.square_to_uniform_disk_concentric(aperture)
-    aim = np.array([[disc[0], disc[1]]]) * mounted.pupil_radius_mm
+    radius = float(mounted.pupil_reach_mm(film)[0])
+    aim = np.array([[disc[0], disc[1]]]) * radius
     aim += mounted.pupil_middle_mm(film)
     channel = min(int(3 * wavelength), 2)
     weight = np.ones(3)
@@ -255,7 +258,7 @@ def _scalar_ray(
         far = float(((aim - film) ** 2).sum())
         square = mounted.pupil_mm**2
         cosine4 = (square / (square + far)) ** 2
-        weight = weight * mounted.pupil_radius_mm**2 * cosine4 / (square * mounted.brightness)
+        weight = weight * radius**2 * cosine4 / (square * mounted.brightness)
     origin = point[0] * (1, 1, -1) + (0, 0, mounted.entrance_mm)
     rows = sensor._matrix[:3]
     ray = mi.Ray3f(

@@ -35,7 +35,9 @@ class MountedLens:
         pupil_mm: Plane of the exit pupil before the film.
         pupil_shift: From off the axis the pupil seems to move: its middle is the film point times
             c₀ + c₁ r² + c₂ r⁴ (mm⁻², mm⁻⁴), r the point's distance from the axis.
-        pupil_radius_mm: Of a disc about that through which all light that passes the lens goes.
+        pupil_radius_mm: Of a disc about that through which all light that passes the lens goes to
+            the middle of the film.
+        pupil_growth_per_mm: The disc for a point is r² times this larger, mm.
         brightness: π times this is what a film's middle receives of a field of radiance 1.
         falls_off: Do pixels darken off the axis, as cos⁴ and rims make them?
     """
@@ -47,6 +49,7 @@ class MountedLens:
     pupil_mm: float
     pupil_shift: tuple[float, float, float]
     pupil_radius_mm: float
+    pupil_growth_per_mm: float
     brightness: float
     falls_off: bool
 
@@ -61,6 +64,11 @@ class MountedLens:
         film = np.asarray(film_mm, np.float64)
         square = (film**2).sum(axis=1, keepdims=True)
         return np.asarray(film * np.polynomial.polynomial.polyval(square, self.pupil_shift))
+
+    def pupil_reach_mm(self, film_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the radius of the disc that holds all light to film points ``(N, 2)``, mm."""
+        square = (np.asarray(film_mm, np.float64) ** 2).sum(axis=1)
+        return np.asarray(self.pupil_radius_mm + self.pupil_growth_per_mm * square)
 
     def rays_from_film(
         self,
@@ -132,6 +140,7 @@ def mount(lens: Lens, constant_mm: float, focus_mm: float, film_mm: float) -> Mo
         pupil_mm=image_mm - behind,
         pupil_shift=(0.0, 0.0, 0.0),
         pupil_radius_mm=stop_mm * abs(shrunk),
+        pupil_growth_per_mm=0.0,
         brightness=0.0,
         falls_off=not lens.is_ideal,
     )
@@ -158,10 +167,13 @@ def _with_pupil(mounted: MountedLens, film_mm: float) -> MountedLens:
     mounted = replace(mounted, pupil_shift=tuple(shift.tolist()))
     angles = np.linspace(0, np.pi, 17)
     rim = np.tile(np.stack([np.cos(angles), np.sin(angles)], axis=1), (17, 1))
-    film = film.repeat(17, axis=0)
+    heights, film = film[:, 0], film.repeat(17, axis=0)
     aims, seen = _aim_at_stop(mounted, film, rim)
-    widest = np.hypot(*(aims - mounted.pupil_middle_mm(film))[seen].T).max(initial=edge)
-    return replace(mounted, pupil_radius_mm=1.02 * float(widest))
+    reach = np.where(seen, np.hypot(*(aims - mounted.pupil_middle_mm(film)).T), 0.0)
+    radius = 1.003 * edge
+    larger = reach.reshape(17, 17).max(axis=1) * 1.001 - radius
+    growth = (larger[1:] / heights[1:] ** 2).max(initial=0.0)
+    return replace(mounted, pupil_radius_mm=radius, pupil_growth_per_mm=float(growth))
 
 
 def _aim_at_stop(

@@ -45,7 +45,7 @@ def rays(name: str, count: int, wavelength: float, **changes: Any) -> tuple[Any,
     disc = np.array(mi.warp.square_to_uniform_disk_concentric(mi.Point2f(aperture.T))).T
     film = (position - 0.5) * (-2, 2) * SLOPE * 3.0
     nm = CHANNELS_NM[int(3 * wavelength)] if lens.dispersion else 587.5618
-    aims = disc * mounted.pupil_radius_mm + mounted.pupil_middle_mm(film)
+    aims = disc * mounted.pupil_reach_mm(film)[:, None] + mounted.pupil_middle_mm(film)
     point, way, through = mounted.rays_from_film(film, aims, nm)
     point = point * (1, 1, -1) + (1, 2, 3 + mounted.entrance_mm)
     wanted = (point, way * (1, 1, -1), through)
@@ -71,7 +71,7 @@ def test_a_ray_of_a_dispersing_lens_has_one_channel(renderer: Renderer, channel:
     assert not weight[:, others].any()
 
 
-def field(lens: Lens, film_px: int = 16, slope: float = 0.3, samples: int = 2048) -> np.ndarray:
+def field(lens: Lens, film_px: int = 16, slope: float = 0.3, samples: int = 8192) -> np.ndarray:
     """Expose a lens to a field of radiance 1 from everywhere."""
     mi = start()
     scene = mi.load_dict({"type": "scene", "sky": {"type": "constant", "radiance": 1.0}})
@@ -92,11 +92,11 @@ def field(lens: Lens, film_px: int = 16, slope: float = 0.3, samples: int = 2048
     )
 
 
-def falls(name: str, slope: float) -> Callable[[float], float]:
+def falls(name: str, slope: float) -> Callable[[np.ndarray], np.ndarray]:
     """Return how bright a film point at a slope is beside the middle, by quadrature."""
     constant = 16 / 2 / slope * AXIS_P1435LE.pitch_um / 1000
     mounted = mount(find_lens(name), constant, FOCUS_MM, 1.5 * slope * constant)
-    grid = (np.arange(151) / 75 - 1) * 1.4 * mounted.pupil_radius_mm
+    grid = (np.arange(201) / 100 - 1) * 1.4 * mounted.pupil_radius_mm
     aims = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
 
     def share(at: float) -> float:
@@ -105,8 +105,9 @@ def falls(name: str, slope: float) -> Callable[[float], float]:
         square = ((aims - film) ** 2).sum(axis=1) + mounted.pupil_mm**2
         return float((through * mounted.pupil_mm**2 / square**2).sum())
 
-    middle = share(0.0)
-    return lambda at: share(at) / middle
+    slopes = np.linspace(0, 1.7 * slope, 40)
+    shares = np.array([share(at) for at in slopes])
+    return lambda at: np.interp(at, slopes, shares / shares[0])
 
 
 @pytest.mark.parametrize("name", ["single", "double_gauss"])
@@ -117,9 +118,10 @@ def test_a_field_of_one_is_one_in_the_middle_and_falls_off_as_rims_make_it(
     image = field(find_lens(name), slope=slope)[..., 1]
     law = falls(name, slope)
     offset = (np.arange(16) + 0.5 - 8) / 8 * slope
+    spread = np.random.default_rng(0).normal(0, 0.5 / 8 * slope, (2, 4000))  # the film's filter
     for row, column in ((7, 7), (7, 11), (7, 15), (0, 0), (15, 4)):
-        at = float(np.hypot(offset[row], offset[column]))
-        assert image[row, column] == pytest.approx(law(at), abs=0.012)
+        at = np.hypot(offset[row] + spread[0], offset[column] + spread[1])
+        assert image[row, column] == pytest.approx(law(at).mean(), abs=0.015)
     assert image[0, 0] < 0.95 * image[7, 7]
 
 

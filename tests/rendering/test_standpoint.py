@@ -93,7 +93,7 @@ def test_landmarks_are_where_the_picture_shows_them(
         column, row = round(float(x)), round(float(y))
         window = darkness[row - 7 : row + 8, column - 7 : column + 8].clip(0.05) - 0.05
         seen = (np.mgrid[-7:8, -7:8] * window).sum(axis=(1, 2)) / window.sum()
-        assert seen == pytest.approx([y - row, x - column], abs=0.12)
+        assert seen == pytest.approx([y - row, x - column], abs=0.15)
 
 
 def test_a_pose_turns_the_high_camera_around_the_head(dot_renderer: Renderer) -> None:
