@@ -1,8 +1,9 @@
 """Which Mitsuba variant renders here, and why?
 
 ``cuda_ad_rgb`` where a GPU renders, else ``llvm_ad_rgb`` with an LLVM that works, else
-``scalar_rgb``. An old LLVM (14, 15) makes Dr.Jit abort the whole process, so every candidate
-renders in a child process first; the verdict is kept on disk, so that this costs seconds only once.
+``scalar_rgb``; variants that trace wavelengths instead of channels only where ``$LRSR_VARIANT``
+names one. An old LLVM (14, 15) makes Dr.Jit abort the whole process, so every candidate renders in
+a child process first; the verdict is kept on disk, so that this costs seconds only once.
 """
 
 import ctypes
@@ -27,7 +28,7 @@ from lrsr.paths import cache_folder
 
 logger = logging.getLogger(__name__)
 
-VARIANTS = ("cuda_ad_rgb", "llvm_ad_rgb", "scalar_rgb")
+VARIANTS = ("cuda_ad_rgb", "llvm_ad_rgb", "scalar_rgb", "cuda_ad_spectral", "llvm_ad_spectral")
 PROBE_SECONDS = 120
 """A candidate that has not rendered a triangle by then counts as broken."""
 
@@ -87,14 +88,16 @@ def choose_variant(candidates: Sequence[Path] | None = None) -> Backend:
     if wanted == "scalar_rgb":
         return Backend("scalar_rgb", f"{said} (slow)")
     tried = []
-    if wanted in (None, "cuda_ad_rgb"):
-        if (driver := _cuda_driver()) and not (fault := _probe("cuda_ad_rgb", None, driver)):
-            return Backend("cuda_ad_rgb", said or "a CUDA device renders")
+    traced = "spectral" if wanted and wanted.endswith("spectral") else "rgb"
+    cuda, llvm = f"cuda_ad_{traced}", f"llvm_ad_{traced}"
+    if wanted in (None, cuda):
+        if (driver := _cuda_driver()) and not (fault := _probe(cuda, None, driver)):
+            return Backend(cuda, said or "a CUDA device renders")
         tried.append(f"CUDA: {fault if driver else 'no driver'}")
-    if wanted in (None, "llvm_ad_rgb"):
+    if wanted in (None, llvm):
         for library in find_llvm() if candidates is None else candidates:
-            if not (fault := _probe("llvm_ad_rgb", library, _stamp(library))):
-                return Backend("llvm_ad_rgb", said or f"{library} renders", library)
+            if not (fault := _probe(llvm, library, _stamp(library))):
+                return Backend(llvm, said or f"{library} renders", library)
             tried.append(f"{library}: {fault}")
     faults = "; ".join(tried) or "no LLVM found"
     if wanted:

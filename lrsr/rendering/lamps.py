@@ -1,7 +1,7 @@
-"""Panels in the live scene: rectangles that shine, moved and recoloured in place.
+"""Lights in the live scene, changed in place: the far map, and panels as rectangles that shine.
 
-How many there are is part of what a scene is loaded with; where they stand, how large and how
-bright they are is not.
+How many panels there are is part of what a scene is loaded with; where they stand, how large and
+how bright they are is not.
 """
 
 from typing import Any
@@ -42,21 +42,41 @@ def move_panels(parameters: Any, lighting: Lighting, to_head: NDArray[np.float64
     """
     from lrsr.rendering.stage import opaque_transform
 
-    mi = start()
     for number, panel in enumerate(lighting.panels):
         name = f"{PREFIX}{number}"
         radiance = (panel_radiance(panel) * panel.colour).tolist()
         parameters[f"{name}.to_world"] = opaque_transform(to_head @ panel.to_world())
-        parameters[f"{name}.emitter.radiance.value"] = opaque_colour(mi.Color3f(*radiance))
+        for key, value in _radiance(radiance).items():
+            parameters[f"{name}.emitter.{key}"] = opaque(value)
     if lighting.panels:
         parameters.update()
 
 
-def opaque_colour(colour: Any) -> Any:
-    """Return a colour whose numbers are no literals of a kernel."""
+def map_data(painted: NDArray[np.float32], width: int) -> Any:
+    """Return a painted map ``(H, W, 3)`` as Mitsuba's ``envmap`` keeps it, ``width`` columns."""
     mi = start()
-    if "scalar" not in mi.variant():
+    if mi.is_spectral:  # as coefficients of spectra
+        emitter = mi.load_dict({"type": "envmap", "bitmap": mi.Bitmap(painted.copy())})
+        return mi.traverse(emitter)["data"]
+    # It keeps copies of the outer columns at its sides.
+    sides = ((0, 0), (1, width - painted.shape[1] - 1), (0, 0))
+    return mi.TensorXf(np.pad(painted, sides, mode="wrap"))
+
+
+def _radiance(rgb: list[float]) -> dict[str, Any]:
+    """Return the parameters of an area emitter of that radiance, by their keys."""
+    mi = start()
+    if not mi.is_spectral:
+        return {"radiance.value": mi.Color3f(*rgb)}
+    emitter = mi.load_dict({"type": "area", "radiance": {"type": "rgb", "value": rgb}})
+    parameters = mi.traverse(emitter)
+    return {key: parameters[key] for key in ("radiance.value", "radiance.d65.values")}
+
+
+def opaque(value: Any) -> Any:
+    """Return numbers of Dr.Jit that are no literals of a kernel."""
+    if "scalar" not in start().variant():
         import drjit
 
-        drjit.make_opaque(colour)
-    return colour
+        drjit.make_opaque(value)
+    return value

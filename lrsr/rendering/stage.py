@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.head import Head, Part
 from lrsr.rendering.backend import start
-from lrsr.rendering.lamps import describe_panels, move_panels
+from lrsr.rendering.lamps import describe_panels, map_data, move_panels
 from lrsr.rendering.materials import MATERIALS, bsdf
 from lrsr.rendering.scene import PIVOT_MM, Lighting, Pose, environment
 from lrsr.rendering.skin import Skin, find_skin
@@ -172,15 +172,9 @@ class Stage:
                 self._parameters[f"{part.name}.interior_medium.{key}"] = value
 
     def _update_light(self, lighting: Lighting, pose: Pose) -> None:
-        mi = start()
         if lighting != self._lighting:
-            painted, _ = environment(lighting)
             width = self._parameters["light.data"].shape[1]
-            # Mitsuba keeps copies of the map's outer columns at its sides.
-            padded = np.pad(
-                painted, ((0, 0), (1, width - painted.shape[1] - 1), (0, 0)), mode="wrap"
-            )
-            self._parameters["light.data"] = mi.TensorXf(padded)
+            self._parameters["light.data"] = map_data(environment(lighting)[0], width)
         move_panels(self._parameters, lighting, world_to_head(pose))
         self._parameters["light.to_world"] = opaque_transform(world_to_head(pose))
         self._parameters.update()
@@ -249,12 +243,12 @@ def mitsuba_uv(uv: NDArray[np.float32]) -> NDArray[np.float32]:
 def bitmaps_start_at_the_top() -> bool:
     """Ask Mitsuba which row of a bitmap has v = 0: 3.9 says the top one, older ones the bottom."""
     mi = start()
-    rows = np.zeros((2, 1, 3), dtype=np.float32)
+    rows = np.zeros((2, 1, 1), dtype=np.float32)
     rows[0] = 1.0
     bitmap = mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(rows), "raw": True})
     point = mi.SurfaceInteraction3f()
     point.uv = mi.Point2f(0.5, 0.25)
-    return bool(np.array(bitmap.eval(point)).ravel()[0] > 0.5)
+    return bool(np.array(bitmap.eval_1(point)).ravel()[0] > 0.5)
 
 
 def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> NDArray[np.float32]:

@@ -119,6 +119,19 @@ def test_the_user_may_choose(monkeypatch: pytest.MonkeyPatch) -> None:
     assert choose_variant() == Backend("scalar_rgb", "LRSR_VARIANT=scalar_rgb (slow)")
 
 
+def test_wavelengths_are_traced_only_where_that_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, children: list
+) -> None:
+    good = library(tmp_path, "good.so")
+    assert choose_variant([good]).variant == "llvm_ad_rgb"
+    monkeypatch.setenv("LRSR_VARIANT", "llvm_ad_spectral")
+    said = "LRSR_VARIANT=llvm_ad_spectral"
+    assert choose_variant([good]) == Backend("llvm_ad_spectral", said, good)
+    monkeypatch.setenv("LRSR_VARIANT", "cuda_ad_spectral")
+    with pytest.raises(InputError, match="CUDA: no driver"):
+        choose_variant([good])
+
+
 def test_an_unknown_choice_names_the_known(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LRSR_VARIANT", "gpu")
     with pytest.raises(InputError, match="LRSR_VARIANT=gpu: choose one of cuda_ad_rgb, llvm"):

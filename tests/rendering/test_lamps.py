@@ -10,7 +10,7 @@ from oracles.heads import ellipsoid_part, stand_in
 from lrsr.identities.head import Head
 from lrsr.rendering import stage
 from lrsr.rendering.backend import start
-from lrsr.rendering.lamps import describe_panels, move_panels, opaque_colour
+from lrsr.rendering.lamps import describe_panels, map_data, move_panels, opaque
 from lrsr.rendering.lighting import ROOMS, Lighting
 from lrsr.rendering.lights import Light, Panel
 from lrsr.rendering.renderer import Renderer
@@ -109,4 +109,12 @@ def test_a_scene_has_as_many_rectangles_as_panels() -> None:
     np.testing.assert_allclose(corner, LAMP.position_mm, rtol=1e-5)
     colour = np.array(parameters["panel_0.emitter.radiance.value"]).ravel()
     np.testing.assert_allclose(colour / colour[1], LAMP.colour / LAMP.colour[1], rtol=1e-5)
-    assert np.array(opaque_colour(mi.Color3f(1, 2, 3))).ravel().tolist() == [1, 2, 3]
+    assert np.array(opaque(mi.Color3f(1, 2, 3))).ravel().tolist() == [1, 2, 3]
+
+
+def test_a_map_is_kept_with_copies_of_its_outer_columns(lit: Renderer) -> None:
+    painted = np.random.default_rng(0).uniform(0, 1, (4, 8, 3)).astype(np.float32)
+    mi = start()
+    emitter = mi.load_dict({"type": "envmap", "bitmap": mi.Bitmap(painted.copy())})
+    wanted = np.array(mi.traverse(emitter)["data"])
+    np.testing.assert_array_equal(np.array(map_data(painted, wanted.shape[1])), wanted)
