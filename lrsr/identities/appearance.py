@@ -95,9 +95,9 @@ def sample_appearance(
     return {
         "complexion": complexion,
         "lips": sample_lips(child["lips"], masculinity=masculinity, melanin=complexion["melanin"]),
-        "make_up": sample_make_up(child["make_up"], masculinity=masculinity),
+        "make_up": sample_make_up(child["make_up"], masculinity=masculinity, age=age),
         "marks": sample_marks(child["marks"], melanin=complexion["melanin"], age=age),
-        "lines": sample_lines(child["lines"], age=age),
+        "lines": sample_lines(child["lines"], age=age, masculinity=masculinity),
         "brows": sample_brows(child["brows"], masculinity=masculinity),
         "beard": sample_beard(
             child["beard"], masculinity=masculinity, asian=asian, grey=hair["grey"]

@@ -57,8 +57,8 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
     """
     shares = np.asarray(ancestry, dtype=np.float64)
     mean = shares @ np.log(_MELANIN_MEANS)
-    melanin = np.exp(mean + rng.normal(0.0, 0.42))
-    blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.42))
+    melanin = np.exp(mean + rng.normal(0.0, 0.55))
+    blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.52))
     flush = float(np.exp(rng.normal(0.0, 0.6)))
     return {
         "melanin": float(np.clip(melanin, *MELANIN_LIMITS)),

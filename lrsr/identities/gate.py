@@ -13,7 +13,7 @@ from lrsr.identities.plausibility import Plausibility
 
 T = TypeVar("T")
 
-MOST_DRAWS = 32
+MOST_DRAWS = 48
 """Of somebody of whom four draws in five fail, one in a thousand has no draw that passes; fewer, as
 later draws of a face are milder (:mod:`lrsr.identities.mildness`)."""
 

@@ -50,8 +50,8 @@ def sample_hair_colour(rng: Generator, *, age: float, ancestry: ArrayLike) -> Ha
         eumelanin = np.exp(rng.uniform(np.log(0.1), np.log(0.5)))
     elif rng.random() < _DYED * (1.0 - african):
         eumelanin, pheomelanin = _dye(rng, eumelanin)
-    onset = 0.66 - 0.08 * european
-    grey = np.clip(rng.normal(1.7 * (age - onset), 0.2), 0.0, 1.0) if age > 0.15 else 0.0
+    onset = 0.60 - 0.08 * european
+    grey = np.clip(rng.normal(2.1 * (age - onset), 0.2), 0.0, 1.0) if age > 0.15 else 0.0
     return {
         "eumelanin": float(np.clip(eumelanin, 0.05, 9.0)),
         "pheomelanin": float(np.clip(pheomelanin, 0.02, 1.8)),

@@ -41,17 +41,19 @@ class Lines(TypedDict):
     lid_crease: float
 
 
-def sample_lines(rng: Generator, *, age: float) -> Lines:
+def sample_lines(rng: Generator, *, age: float, masculinity: float) -> Lines:
     """Draw a person's lines; only the fold beside the nose is there from youth.
 
     Args:
         rng: Source of randomness.
         age: 0 (25 years) to 1 (old).
+        masculinity: 0 (female) to 1 (male): a woman's skin is thinner, and folds deeper (Paes et
+            al., Aesthetic Surg. J. 29, 2009: perioral lines).
 
     Returns:
         Plain numbers.
     """
-    worn = 1.7 * max(0.0, age - 0.08) ** 1.1
+    worn = (2.1 - 0.4 * masculinity) * max(0.0, age - 0.08) ** 1.1
 
     def depth(share: float) -> float:
         return float(min(1.7, share * worn * np.exp(rng.normal(0.0, 0.45))))

@@ -61,12 +61,13 @@ def sample_lips(rng: Generator, *, masculinity: float, melanin: float) -> Lips:
     }
 
 
-def sample_make_up(rng: Generator, *, masculinity: float) -> MakeUp:
+def sample_make_up(rng: Generator, *, masculinity: float, age: float) -> MakeUp:
     """Draw a person's make-up; from a masculinity of 0.5 on there is none.
 
     Args:
         rng: Source of randomness.
         masculinity: 0 (female) to 1 (male).
+        age: 0 (25 years) to 1 (old): put on more sparingly.
 
     Returns:
         Plain numbers.
@@ -74,7 +75,7 @@ def sample_make_up(rng: Generator, *, masculinity: float) -> MakeUp:
     wears = (1 - masculinity) ** 2 if masculinity < 0.5 else 0.0
     shade = list(LIPSTICKS.values())[rng.choice(len(LIPSTICKS), p=_LIPSTICK_SHARES)]
     tint = np.exp(rng.normal(0.0, 0.12, 3))
-    return {
+    drawn: MakeUp = {
         "lipstick": float(rng.uniform(0.25, 0.75)) if rng.random() < 0.65 * wears else 0.0,
         "lipstick_colour": [float(channel) for channel in np.asarray(shade) * tint],
         "eyeliner": float(rng.uniform(0.45, 0.95)) if rng.random() < 0.95 * wears else 0.0,
@@ -82,3 +83,8 @@ def sample_make_up(rng: Generator, *, masculinity: float) -> MakeUp:
         "eyeshadow_colour": list(_EYESHADOWS[rng.integers(len(_EYESHADOWS))]),
         "blush": float(rng.uniform(0.08, 0.24)) if rng.random() < 0.40 * wears else 0.0,
     }
+    drawn["lipstick"] *= 1 - 0.15 * age
+    drawn["eyeliner"] *= 1 - 0.35 * age
+    drawn["eyeshadow"] *= 1 - 0.5 * age
+    drawn["blush"] *= 1 - 0.5 * age
+    return drawn

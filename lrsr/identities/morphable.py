@@ -37,7 +37,7 @@ from lrsr.identities.resting import RestingFace, act, rest_face
 from lrsr.identities.shape import RACES, Anatomy, coefficients, sample_anatomy
 from lrsr.identities.template import template
 
-RECIPE_VERSION = "6"
+RECIPE_VERSION = "7"
 """Changes whenever the same seed would give other pixels."""
 
 STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")

@@ -1,4 +1,4 @@
-"""Do eyes and nostrils open as people's do? What skin covers of an iris, and how noses gape."""
+"""Do eyes, nose and mouth open as people's do? What skin covers of an iris, how noses gape."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -6,10 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.identities.basis import load_basis
 from lrsr.identities.eyes import Eyes, cornea_rise, rotation_to
 from lrsr.identities.head import Head
 from lrsr.identities.intersection import coarse_faces
 from lrsr.identities.lids import lid_margins
+from lrsr.identities.mouth import STRIP_QUADS
 from lrsr.identities.template import template
 
 Points = NDArray[np.float64]
@@ -174,13 +176,7 @@ def nostril_area_mm2(skin: Points) -> float:
         skin: ``(V, 3)`` render vertices, mm.
     """
     roof, around = _nostril_faces()
-    corners = skin[roof]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    facing = np.flatnonzero(across[:, 2] > 0.0)
-    if not facing.size:
-        return 0.0
-    hidden = covered(corners[facing].mean(axis=1), skin[around])
-    return float(0.5 * across[facing[~hidden], 2].sum())
+    return _seen_area_mm2(skin[roof], skin[around])
 
 
 @lru_cache(maxsize=1)
@@ -197,3 +193,48 @@ def _nostril_faces() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     below = (centre[:, 1] < -38.0) & (centre[:, 1] > -50.0) & (np.abs(centre[:, 0]) < 16.0)
     around = below & (centre[:, 2] > 16.0) & (across[:, 2] > 0)
     return faces[roof & downwards], faces[around]
+
+
+def mouth_area_mm2(skin: Points) -> float:
+    """Return how much of what closes the mouth behind the lips is seen from straight in front.
+
+    Closed lips hide all of it; lips that turn inside out bring it before them.
+
+    Args:
+        skin: ``(V, 3)`` render vertices of a face at rest, before its mouth is hollowed, mm.
+
+    Returns:
+        mm^2.
+    """
+    strip, around = _mouth_faces()
+    return _seen_area_mm2(skin[strip], skin[around])
+
+
+@lru_cache(maxsize=1)
+def _mouth_faces() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Triangles of the strip that closes the mouth, and those of the lips that should hide it."""
+    surface = load_basis().surface
+    quads = surface.twin[surface.faces[::2, 0]].reshape(-1, 4).astype(np.int64)
+    n_strip = STRIP_QUADS * len(quads) // len(load_basis().quads)
+    strip, lips = (
+        np.concatenate([some[:, [0, 1, 2]], some[:, [0, 2, 3]]])
+        for some in (quads[-n_strip:], quads[:-n_strip])
+    )
+    centre = template().skin[lips].mean(axis=1)
+    near = (np.abs(centre[:, 0]) < 34.0) & (np.abs(centre[:, 1] + 73.0) < 19.0)
+    return strip, lips[near & (centre[:, 2] > -12.0)]
+
+
+def _seen_area_mm2(corners: Points, before: Points) -> float:
+    """Add up those triangles that face the camera and have nothing before their middle.
+
+    Args:
+        corners: ``(n, 3, 3)``, mm.
+        before: ``(m, 3, 3)``, mm, of what may hide them.
+    """
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    facing = np.flatnonzero(across[:, 2] > 0.0)
+    if not facing.size:
+        return 0.0
+    hidden = covered(corners[facing].mean(axis=1), before)
+    return float(0.5 * across[facing[~hidden], 2].sum())

@@ -23,7 +23,13 @@ from lrsr.identities.folds import measure_folds
 from lrsr.identities.hair_fit import measure_hair
 from lrsr.identities.head import Head
 from lrsr.identities.intersection import count_nose_crossings, lip_overlap_mm
-from lrsr.identities.openings import IRIS_RAD, eyes_of, measure_eyes, nostril_area_mm2
+from lrsr.identities.openings import (
+    IRIS_RAD,
+    eyes_of,
+    measure_eyes,
+    mouth_area_mm2,
+    nostril_area_mm2,
+)
 from lrsr.identities.template import template
 
 Points = NDArray[np.float64]
@@ -45,6 +51,8 @@ LIMITS: dict[str, tuple[float, float]] = {
     # to 35 mm long, SD 2 (Farkas 1994).
     "nose: tip before the wings, mm": (10.0, 37.0),
     "mouth: lips pressed into each other, mm": (0.0, 3.5),
+    # Lips that part by 1 mm along the mouth; the template's own, parted a little, show 25.
+    "mouth: inside seen from in front, mm^2": (0.0, 48.0),
     # A mouth that anybody sees to be canted; twice the stray of a chin that is called asymmetric.
     "crooked: cant of the mouth, degrees": (0.0, 5.0),
     "crooked: mouth off the middle, mm": (0.0, 5.0),
@@ -233,6 +241,7 @@ def _face_measures(skin: Points, eyes: Eyes, iris_rad: float) -> Iterator[tuple[
     yield "nose: walls that cross, pairs", float(count_nose_crossings(skin))
     yield "nose: tip before the wings, mm", anthropometry.nose_depth_mm(skin)
     yield "mouth: lips pressed into each other, mm", lip_overlap_mm(skin)
+    yield "mouth: inside seen from in front, mm^2", mouth_area_mm2(skin)
     crooked = anthropometry.measure_crookedness(skin)
     yield "crooked: cant of the mouth, degrees", crooked.mouth_deg
     yield "crooked: mouth off the middle, mm", crooked.mouth_mm

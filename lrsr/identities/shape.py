@@ -20,7 +20,7 @@ AGES = ("young", "old")
 RACES = ("african", "asian", "caucasian")
 LEVELS = ("min", "average", "max")
 
-SHAPE_GAIN = 1.9
+SHAPE_GAIN = 2.0
 """Widens all local variation, so that real recognisers tell the people apart; more looks like
 caricature."""
 ANCESTRY_GAIN = 1.6
@@ -59,7 +59,7 @@ DAMPING = {
     "mouth-angles": 0.4,
     "mouth-scale-depth": 0.6,
     "mouth-trans-backward": 0.6,
-    "eyebrows-angle": 0.6,
+    "eyebrows-angle": 0.5,
     "mouth-laugh-lines": 0.6,
     "mouth-dimples": 0.6,
     "cheek-inner": 0.7,
@@ -70,6 +70,15 @@ DAMPING = {
     "nose-septumangle": 0.6,
     "nose-compression": 0.6,
     "head-age": 0.4,
+    "nose-volume": 0.55,
+    "nose-point-width": 0.65,
+    "nose-hump": 0.7,
+    "forehead-nubian": 0.7,
+    "mouth-upperlip-volume": 0.6,
+    "mouth-lowerlip-volume": 0.6,
+    "mouth-cupidsbow": 0.7,
+    "mouth-philtrum": 0.7,
+    "mouth-scale-vert": 0.8,
     "head-fat": 0.8,
     "chin-jaw-drop": 0.7,
 }
@@ -88,16 +97,23 @@ AGE_SLIDERS = {
 }
 """What age adds to a slider, per unit of age beyond 0.3; the sign is the direction."""
 
+WOMEN_AGE_SLIDERS = {
+    "head/head-age-decr-incr": 0.5,
+    "eyes/eye-eyefold-down-up": -0.4,
+    "cheek/cheek-volume-decr-incr": -0.3,
+}
+"""What it adds to those of a woman, beyond: what makes women look feminine also hides their age."""
+
 SEX_SLIDERS = {
     "chin/chin-width-decr-incr": 0.45,
     "chin/chin-bones-decr-incr": 0.35,
     "chin/chin-height-decr-incr": 0.25,
     "chin/chin-prominent-decr-incr": 0.3,
     "cheek/cheek-bones-decr-incr": -0.2,
-    "eyes/eye-scale-decr-incr": -0.3,
+    "eyes/eye-scale-decr-incr": -0.42,
     "eyes/eye-height2-decr-incr": -0.3,
     "eyebrows/eyebrows-trans-backward-forward": 0.1,
-    "eyebrows/eyebrows-trans-down-up": -0.55,
+    "eyebrows/eyebrows-trans-down-up": -0.7,
     "mouth/mouth-upperlip-height-decr-incr": -0.2,
     "mouth/mouth-lowerlip-height-decr-incr": -0.2,
     "neck/neck-scale-horiz-decr-incr": 0.3,
@@ -111,7 +127,7 @@ SEX_SLIDERS = {
     "nose/nose-point-width-decr-incr": 0.2,
     "nose/nose-scale-depth-decr-incr": 0.12,
     "nose/nose-point-down-up": -0.12,
-    "head/head-age-decr-incr": 0.25,
+    "head/head-age-decr-incr": 0.36,
     "head/head-scale-horiz-decr-incr": -0.2,
     "head/head-fat-decr-incr": -0.12,
     "mouth/mouth-angles-down-up": -0.2,
@@ -130,7 +146,7 @@ COMMON_SLIDERS = {
     "nose/nose-scale-depth-decr-incr": -0.05,
     "nose/nose-width3-decr-incr": -0.05,
     "nose/nose-flaring-decr-incr": 0.2,
-    "nose/nose-volume-decr-incr": -0.4,
+    "nose/nose-volume-decr-incr": -0.35,
     "nose/nose-point-width-decr-incr": -0.15,
     "nose/nose-point-down-up": 0.05,
     "head/head-age-decr-incr": -0.2,
@@ -145,23 +161,24 @@ people (Farkas 1994): MakeHuman's eyes are a quarter too small, its ears too lar
 necks too wide, its mouths a little sad."""
 
 RESTING_UNITS = {
-    "browInnerUp": 0.1,
-    "browDown": 0.1,
-    "browOuterUp": 0.24,
+    "browInnerUp": 0.08,
+    "browDown": 0.06,
+    "browOuterUp": 0.3,
     "cheekSquint": 0.25,
-    "eyeSquint": 0.45,
+    "eyeSquint": 0.55,
     "eyeBlink": 0.25,
-    "mouthDimple": 0.2,
-    "mouthFrown": 0.05,
-    "mouthPress": 0.3,
-    "mouthPucker": 0.2,
+    "mouthDimple": 0.25,
+    "mouthFrown": 0.04,
+    "mouthPress": 0.23,
+    "mouthPucker": 0.12,
     "mouthShrugLower": 0.08,
-    "mouthSmile": 0.38,
-    "noseSneer": 0.12,
+    "mouthSmile": 0.47,
+    "noseSneer": 0.09,
     "jawForward": 0.15,
 }
 """Face units of a resting face and the width of their strength."""
-EXPRESSION_SHARE = 0.55
+EXPRESSION_SHARE = 0.6
+"""How many people show each of them."""
 
 
 class Anatomy(TypedDict):
@@ -212,6 +229,9 @@ def _draw_sliders(
     beyond = max(0.0, age - 0.3)
     for slider, gain in AGE_SLIDERS.items():
         values[slider] += gain * beyond * abs(rng.normal(0.7, 0.5))
+    if masculinity < 0.5:
+        for slider, gain in WOMEN_AGE_SLIDERS.items():
+            values[slider] += gain * beyond
     for slider, gain in SEX_SLIDERS.items():
         values[slider] += gain * (2.0 * masculinity - 1.0)
     for slider, offset in COMMON_SLIDERS.items():

@@ -18,7 +18,7 @@ from lrsr.identities.appearance import SkinPainter, paint_skin
 from lrsr.identities.lines import draw_lines, sample_lines
 from lrsr.identities.morphable import position_map, sample_parameters
 
-LINES = sample_lines(np.random.default_rng(0), age=0.9)
+LINES = sample_lines(np.random.default_rng(0), age=0.9, masculinity=0.5)
 N_LINES = 12 + LINES["forehead_count"]
 
 

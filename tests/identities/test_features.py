@@ -19,7 +19,7 @@ from lrsr.identities.morphable import position_map, template
 
 SIZE = 256
 BLACK: HairColour = {"eumelanin": 6.0, "pheomelanin": 0.3, "grey": 0.0}
-BARE: Any = sample_make_up(np.random.default_rng(0), masculinity=1.0)
+BARE: Any = sample_make_up(np.random.default_rng(0), masculinity=1.0, age=0.2)
 
 PLACES = {
     "lip": (0.0, -80.0),
@@ -112,7 +112,7 @@ def test_dark_skin_wears_darker_lipstick() -> None:
 
 def test_the_same_holds_for_anybodys_make_up_that_it_is_a_reflectance() -> None:
     for seed in range(8):
-        make_up: MakeUp = sample_make_up(np.random.default_rng(seed), masculinity=0.0)
+        make_up: MakeUp = sample_make_up(np.random.default_rng(seed), masculinity=0.0, age=0.2)
         albedo = _skin()
         _painter().paint_make_up(albedo, make_up)
         assert albedo.dtype == np.float32

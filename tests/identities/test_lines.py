@@ -119,7 +119,9 @@ def _depths(group: str, ages: tuple[float, ...]) -> list[float]:
     depths = []
     for age in ages:
         rng = np.random.default_rng(0)
-        depths.append(float(np.mean([sample_lines(rng, age=age)[group] for _ in range(60)])))
+        depths.append(
+            float(np.mean([sample_lines(rng, age=age, masculinity=0.5)[group] for _ in range(60)]))
+        )
     return depths
 
 
@@ -138,13 +140,13 @@ def test_at_25_nothing_is_worn_and_at_75_most_of_it(group: str) -> None:
 
 def test_no_line_is_deeper_than_a_deep_wrinkle() -> None:
     rng = np.random.default_rng(1)
-    oldest = [sample_lines(rng, age=1.0) for _ in range(300)]
+    oldest = [sample_lines(rng, age=1.0, masculinity=0.5) for _ in range(300)]
     assert max(person[group] for person in oldest for group in WORN) <= 1.7
     sheets = [draw_lines(person, FACE) for person in oldest[:6]]
     assert min(sheet.min() for sheet in sheets) > -2.5  # mm
 
 
 def test_the_fold_beside_the_nose_is_there_from_youth() -> None:
-    lines = sample_lines(np.random.default_rng(0), age=0.0)
+    lines = sample_lines(np.random.default_rng(0), age=0.0, masculinity=0.5)
     assert 0.06 <= lines["nasolabial"] <= 0.21
     assert json.loads(json.dumps(lines)) == lines

@@ -13,8 +13,8 @@ def _lips(masculinity: float, melanin: float) -> list[Lips]:
 
 def test_only_women_wear_make_up() -> None:
     rng = np.random.default_rng(0)
-    women = [sample_make_up(rng, masculinity=0.05) for _ in range(400)]
-    men = [sample_make_up(rng, masculinity=0.6) for _ in range(200)]
+    women = [sample_make_up(rng, masculinity=0.05, age=0.2) for _ in range(400)]
+    men = [sample_make_up(rng, masculinity=0.6, age=0.2) for _ in range(200)]
     shares = {"lipstick": 0.65, "eyeliner": 0.95, "eyeshadow": 0.6, "blush": 0.4}
     for kind, share in shares.items():
         worn = np.mean([person[kind] > 0 for person in women])
@@ -27,7 +27,7 @@ def test_only_women_wear_make_up() -> None:
 def test_most_women_wear_some_make_up_but_not_everything(masculinity: float) -> None:
     rng = np.random.default_rng(3)
     kinds = ("lipstick", "eyeliner", "eyeshadow", "blush")
-    women = [sample_make_up(rng, masculinity=masculinity) for _ in range(300)]
+    women = [sample_make_up(rng, masculinity=masculinity, age=0.2) for _ in range(300)]
     worn = np.array([[woman[kind] > 0 for kind in kinds] for woman in women])
     assert worn.any(axis=1).mean() > 0.75
     assert worn.all(axis=1).mean() < 0.3
@@ -36,14 +36,14 @@ def test_most_women_wear_some_make_up_but_not_everything(masculinity: float) -> 
 def test_no_man_wears_any() -> None:
     rng = np.random.default_rng(4)
     for masculinity in np.linspace(0.5, 1.0, 100):
-        man = sample_make_up(rng, masculinity=masculinity)
+        man = sample_make_up(rng, masculinity=masculinity, age=0.2)
         assert man["lipstick"] == man["eyeliner"] == man["eyeshadow"] == man["blush"] == 0.0
 
 
 def test_what_is_worn_is_an_opacity() -> None:
     rng = np.random.default_rng(5)
     for _ in range(200):
-        woman = sample_make_up(rng, masculinity=0.05)
+        woman = sample_make_up(rng, masculinity=0.05, age=0.2)
         for kind in ("lipstick", "eyeliner", "eyeshadow", "blush"):
             assert 0.0 <= woman[kind] < 1.0
 
@@ -51,7 +51,7 @@ def test_what_is_worn_is_an_opacity() -> None:
 def test_lipsticks_are_reflectances_and_strong_colours_are_rare() -> None:
     rng = np.random.default_rng(1)
     colours = np.array(
-        [sample_make_up(rng, masculinity=0.1)["lipstick_colour"] for _ in range(400)]
+        [sample_make_up(rng, masculinity=0.1, age=0.2)["lipstick_colour"] for _ in range(400)]
     )
     assert colours.min() > 0
     assert colours.max() < 0.8
@@ -71,5 +71,5 @@ def test_lips_of_dark_skin_are_browner() -> None:
 
 def test_everything_survives_json() -> None:
     rng = np.random.default_rng(0)
-    drawn = [_lips(0.1, 0.02)[0], sample_make_up(rng, masculinity=0.1)]
+    drawn = [_lips(0.1, 0.02)[0], sample_make_up(rng, masculinity=0.1, age=0.2)]
     assert json.loads(json.dumps(drawn)) == drawn

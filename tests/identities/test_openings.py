@@ -7,7 +7,13 @@ from lrsr.identities.eyes import Eyes, unit_ball
 from lrsr.identities.head import Head
 from lrsr.identities.lids import clear_lids
 from lrsr.identities.morphable import sample_head
-from lrsr.identities.openings import covered, eyes_of, measure_eyes, nostril_area_mm2
+from lrsr.identities.openings import (
+    covered,
+    eyes_of,
+    measure_eyes,
+    mouth_area_mm2,
+    nostril_area_mm2,
+)
 from lrsr.identities.resting import rest_face
 from lrsr.identities.template import template
 
@@ -150,3 +156,14 @@ def test_the_eyes_of_a_finished_head_are_those_it_was_made_with() -> None:
 def test_faces_at_rest_have_lids_that_clear_their_eyes() -> None:
     face = rest_face(load_basis().neutral)
     assert max(eye.pierced_mm for eye in measure_eyes(face.skin, face.eyes)) < 0.1
+
+
+def test_the_template_hardly_shows_the_inside_of_its_mouth() -> None:
+    assert mouth_area_mm2(skin()) < 30.0
+
+
+def test_a_lower_lip_drawn_down_bares_the_inside_of_the_mouth() -> None:
+    lowered = skin()
+    lip = (np.abs(lowered[:, 0]) < 25) & (np.abs(lowered[:, 1] + 80) < 7) & (lowered[:, 2] > -5)
+    lowered[lip, 1] -= 9.0
+    assert mouth_area_mm2(lowered) > 48.0
