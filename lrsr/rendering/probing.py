@@ -1,4 +1,4 @@
-"""Where does the light that leaves a point of skin have entered it? Probe rays along three axes.
+"""Where did the light enter that leaves a point of skin? Probe rays along three axes tell.
 
 King, Kulla, Conty and Fajardo 2013, "BSSRDF importance sampling", with a weighted reservoir over
 the hits of a probe instead of a second draw. Lengths are millimetres.
@@ -62,25 +62,30 @@ class Profile:
         far = self._far_height * dr.exp(-distance / self.far)
         return (near + far) / distance
 
-    def draw_distance(self, choice: Any, uniform: Any) -> Any:
-        """Draw the distance of one channel's profile.
+    def draw_distance(self, uniform: Any) -> Any:
+        """Draw a distance from the mean of the channels' profiles, each cut at the reach.
+
+        One number picks channel, exponential and distance: where it is stratified, so are all.
 
         Args:
-            choice: Picks the channel and the exponential, [0, 1).
             uniform: [0, 1).
         """
         import drjit as dr
 
         channels = len(self.near)
-        scaled = choice * channels
-        width = dr.zeros(type(choice))
+        scaled = uniform * channels
+        width, inside = dr.zeros(type(uniform)), dr.zeros(type(uniform))
         for channel in range(channels):
-            chosen = scaled - channel
-            pick = dr.select(
-                chosen < self.near_share[channel], self.near[channel], self.far[channel]
-            )
-            width = dr.select(chosen >= 0, pick, width)
-        return -width * dr.log(1 - uniform * (1 - dr.exp(-self.reach / width)))
+            share = self.near_share[channel]
+            # To and fro, so that the distance has no jumps: neighbours in strata are neighbours.
+            rest = 1 - (scaled - channel) if channel % 2 else scaled - channel
+            near = rest < share
+            depth = dr.select(near, 1 - rest / share, (rest - share) / (1 - share))
+            own = dr.select(near, self.near[channel], self.far[channel])
+            here = scaled >= channel
+            width, inside = dr.select(here, own, width), dr.select(here, depth, inside)
+        inside = dr.clip(inside, 0, 1)
+        return -width * dr.log(1 - inside * (1 - dr.exp(-self.reach / width)))
 
 
 @dataclass
@@ -110,7 +115,7 @@ def find_exit(
 
     Args:
         scene: ``mi.Scene``.
-        sampler: Gives five numbers, the same for every lane.
+        sampler: Gives three numbers.
         origin: ``mi.SurfaceInteraction3f`` at po.
         normal: Of the skin at po, towards the viewer.
         profile: Of every lane.
@@ -122,25 +127,29 @@ def find_exit(
 
     mi = start()
     frame = mi.Frame3f(normal)
-    turn, choice, pick = sampler.next_1d(), sampler.next_1d(), sampler.next_1d()
-    uniform = sampler.next_2d()
-    along_n = turn < normal_share
-    along_s = ~along_n & (turn < (1 + normal_share) / 2)
+    tangent_share = (1 - normal_share) / 2
+    uniform, pick, turn = sampler.next_1d(), sampler.next_1d(), sampler.next_1d()
+    along_n, along_s = uniform < normal_share, uniform < normal_share + tangent_share
+    begin = dr.select(along_n, 0, dr.select(along_s, normal_share, normal_share + tangent_share))
+    inside = (uniform - begin) / dr.select(along_n, normal_share, tangent_share)
     axis = dr.select(along_n, frame.n, dr.select(along_s, frame.s, frame.t))
     first = dr.select(along_n, frame.s, dr.select(along_s, frame.t, frame.n))
     second = dr.select(along_n, frame.t, dr.select(along_s, frame.n, frame.s))
-    distance = profile.draw_distance(choice, uniform.x)
-    sine, cosine = dr.sincos(dr.two_pi * uniform.y)
+    distance = profile.draw_distance(inside)
+    sine, cosine = dr.sincos(dr.two_pi * turn)
     half = dr.sqrt(dr.maximum(dr.square(profile.reach) - dr.square(distance), 0))
     begin = origin.p + distance * (cosine * first + sine * second) + half * axis
     ray = mi.Ray3f(begin, -axis, dr.largest(mi.Float), origin.time, origin.wavelengths)
 
     def weigh(point: Any, facing: Any) -> Any:
         offset = point - origin.p
-        density = _density(frame, profile, offset, facing, normal_share)
+        densities = _densities(frame, profile, offset, facing, normal_share)
+        own = dr.select(along_n, densities[0], dr.select(along_s, densities[1], densities[2]))
+        # The power heuristic over axes: a tangent that finds a flat surface is not counted on.
+        squares = sum(dr.square(density) for density in densities)
         wanted = dr.mean(profile.at(dr.norm(offset)))
         seen = _inside(offset, normal, facing) & (dr.norm(offset) < profile.reach)
-        return dr.select(seen & (density > 0), wanted / density, 0)
+        return dr.select(seen & (own > 0), wanted * own / squares, 0)
 
     chosen, total = jitted(_reservoir)(scene, ray, 2 * half, pick, find, weigh, active)
     found = active & (total > 0)
@@ -198,18 +207,20 @@ def _reservoir(
     return chosen, total
 
 
-def _density(frame: Any, profile: Profile, offset: Any, facing: Any, normal_share: Any) -> Any:
-    """Return the density per area with which all axes and channels together find a point."""
+def _densities(
+    frame: Any, profile: Profile, offset: Any, facing: Any, normal_share: Any
+) -> list[Any]:
+    """Return the density per area with which each axis finds a point, all channels together."""
     import drjit as dr
 
-    total = 0.0
     local = frame.to_local(offset)
     lengths = (dr.hypot(local.x, local.y), dr.hypot(local.y, local.z), dr.hypot(local.x, local.z))
     tangent_share = (1 - normal_share) / 2
     shares = (normal_share, tangent_share, tangent_share)
-    for axis, distance, share in zip((frame.n, frame.s, frame.t), lengths, shares, strict=True):
-        total += share * dr.abs(dr.dot(facing, axis)) * dr.mean(profile.at(distance))
-    return total
+    return [
+        share * dr.abs(dr.dot(facing, axis)) * dr.mean(profile.at(distance))
+        for axis, distance, share in zip((frame.n, frame.s, frame.t), lengths, shares, strict=True)
+    ]
 
 
 def _inside(offset: Any, here: Any, there: Any) -> Any:

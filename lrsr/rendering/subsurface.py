@@ -260,33 +260,39 @@ def _trace(tracer: _Tracer, scene: Any, sampler: Any, ray: Any, active: Any) -> 
         active &= si.is_valid() & (depth + 1 < tracer.max_depth)
         skin = active & tracer.is_skin(si)
         vertex = _Vertex(tracer, scene, sampler, si, ray, skin)
-        throughput = dr.select(skin, throughput * vertex.weight, throughput)
-        active &= dr.any(throughput != 0)
 
+        # What the surface of skin reflects of a light is seen from where the path arrived...
+        seen, radiance = scene.sample_emitter_direction(si, sampler.next_2d(), True, skin)
+        value, chance = vertex.reflect(seen.d)
+        share = dr.select(seen.delta, 1, _mis(seen.pdf, chance))
+        light[skin & (seen.pdf != 0)] += throughput * value * radiance * share
+
+        # ... and what leaves its inside, or any other surface, from where the path goes on.
         bsdf = si.bsdf()
-        lit = active & (skin | mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth))
+        plain = active & ~skin
+        lit = (skin & vertex.enters) | (plain & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth))
         seen, radiance = scene.sample_emitter_direction(
             vertex.interaction, sampler.next_2d(), True, lit
         )
-        lit &= seen.pdf != 0
-        plain = active & ~skin
         value, chance, sample, weight = bsdf.eval_pdf_sample(
             context, si, si.to_local(seen.d), sampler.next_1d(), sampler.next_2d(), plain
         )
-        own_value, own_chance = vertex.eval_pdf(seen.d)
+        own_value, own_chance = vertex.enter(seen.d)
         value = dr.select(skin, own_value, value)
         chance = dr.select(skin, own_chance, chance)
         share = dr.select(seen.delta, 1, _mis(seen.pdf, chance))
-        light[lit] += throughput * value * radiance * share
+        light[lit & (seen.pdf != 0)] += throughput * value * radiance * share
 
-        direction, density, own_weight = vertex.sample(sampler.next_2d())
+        direction, density, own_weight, mirrors = vertex.sample(
+            sampler.next_1d(), sampler.next_2d()
+        )
         direction = dr.select(skin, direction, si.to_world(sample.wo))
         density = dr.select(skin, density, sample.pdf)
         throughput *= dr.select(skin, own_weight, weight)
         squared_index *= dr.select(skin, 1, dr.square(sample.eta))
         delta = ~skin & mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta)
-        ray = vertex.interaction.spawn_ray(direction)
-        before = mi.Interaction3f(vertex.interaction)
+        before = dr.select(mirrors, mi.Interaction3f(si), vertex.interaction)
+        ray = before.spawn_ray(direction)
         brightest = dr.max(throughput)
         survival = dr.minimum(brightest * squared_index, 0.95)
         dim = depth >= tracer.roulette_depth
@@ -297,11 +303,13 @@ def _trace(tracer: _Tracer, scene: Any, sampler: Any, ray: Any, active: Any) -> 
 
 
 class _Vertex:
-    """What happened at a point of skin: light is reflected there, or entered at another point.
+    """What happens at a point of skin: light is reflected there, and enters at another point.
+
+    Both are lit at every vertex; the path goes on by one of them.
 
     Attributes:
-        interaction: Where the path goes on; off skin, the point itself.
-        weight: Of the path up to there, per channel; 0: nowhere.
+        interaction: Where light enters; off skin, the point itself.
+        enters: Whether there is such a point.
     """
 
     def __init__(
@@ -311,20 +319,19 @@ class _Vertex:
 
         mi = start()
         self._reflection = tracer.reflection
+        self._skin = skin
         albedo, self._roughness = tracer.look_up(si, skin)
         side = dr.mulsign(mi.Float(1), -dr.dot(si.n, ray.d))  # both sides of a sheet are skin
-        normal = side * tracer.normal(si, skin)
-        self._view = mi.Frame3f(normal).to_local(-ray.d)
+        self._here = mi.Frame3f(side * tracer.normal(si, skin))
+        self._view = self._here.to_local(-ray.d)
         reflected = self._reflection.directional(self._view.z, self._roughness)
         self._entering = 1 - self._reflection.mean(self._roughness)
         albedo = dr.clip(albedo / self._entering, 0, 1)
-
         least = tracer.least_lobe_share
         scattered = (1 - reflected) * dr.mean(albedo)
         share = dr.clip(reflected / (reflected + scattered), least, 1 - least)
-        share = dr.select(self._view.z > 0, share, 0)
-        self._shines = skin & (sampler.next_1d() < share)
-        scatters = skin & ~self._shines
+        self._share = dr.select(self._view.z > 0, share, 0)
+
         profile = tracer.profile(albedo, si.wavelengths)
         exit_ = find_exit(
             scene,
@@ -334,38 +341,51 @@ class _Vertex:
             profile,
             tracer.find,
             tracer.normal_share,
-            scatters,
+            skin,
         )
-        through = exit_.weight * albedo * ((1 - reflected) / (1 - share))
-        self.weight = dr.select(self._shines, mi.Spectrum(dr.rcp(share)), through)
+        self._through = exit_.weight * albedo * (1 - reflected)
+        self.enters = dr.any(self._through != 0)
         self.interaction = dr.select(
-            scatters, mi.Interaction3f(exit_.interaction), mi.Interaction3f(si)
+            skin & self.enters, mi.Interaction3f(exit_.interaction), mi.Interaction3f(si)
         )
-        normal = dr.select(scatters, side * tracer.normal(exit_.interaction, scatters), normal)
-        self._frame = mi.Frame3f(normal)
+        self._there = mi.Frame3f(side * tracer.normal(exit_.interaction, skin & self.enters))
 
-    def eval_pdf(self, direction: Any) -> tuple[Any, Any]:
-        """Return the chosen way's value times cos θ for light from there, and its density."""
+    def reflect(self, direction: Any) -> tuple[Any, Any]:
+        """Return the lobe times cos θ for light from there, and the density of drawing it."""
+        light = self._here.to_local(direction)
+        value, density = self._reflection.eval_pdf(self._view, light, self._roughness)
+        return value, self._share * density
+
+    def enter(self, direction: Any) -> tuple[Any, Any]:
+        """Return what of that light enters and comes back, and the density of drawing it."""
         import drjit as dr
 
-        light = self._frame.to_local(direction)
-        lobe, lobe_density = self._reflection.eval_pdf(self._view, light, self._roughness)
-        cosine = dr.maximum(light.z, 0) * dr.inv_pi
-        entering = self._entered(light.z) * cosine
-        value = dr.select(self._shines, lobe, entering)
-        return value, dr.select(self._shines, lobe_density, cosine)
+        cosine = dr.maximum(dr.dot(self._there.n, direction), 0)
+        value = self._through * (self._entered(cosine) * cosine * dr.inv_pi)
+        return value, (1 - self._share) * cosine * dr.inv_pi
 
-    def sample(self, uniform: Any) -> tuple[Any, Any, Any]:
-        """Draw where the light came from: the direction, its density, value over density."""
+    def sample(self, choice: Any, uniform: Any) -> tuple[Any, Any, Any, Any]:
+        """Draw how the path goes on.
+
+        Args:
+            choice: Of the two ways, [0, 1).
+            uniform: Two numbers in [0, 1).
+
+        Returns:
+            The direction, its density, value over density, and whether skin reflected it.
+        """
         import drjit as dr
 
         mi = start()
-        mirrored, lobe_density, lobe = self._reflection.sample(self._view, self._roughness, uniform)
-        diffuse = mi.warp.square_to_cosine_hemisphere(uniform)
-        local = dr.select(self._shines, mirrored, diffuse)
-        density = dr.select(self._shines, lobe_density, diffuse.z * dr.inv_pi)
-        value = dr.select(self._shines, lobe, self._entered(diffuse.z))
-        return self._frame.to_world(local), density, value
+        mirrors = self._skin & (choice < self._share)
+        out, lobe_density, lobe = self._reflection.sample(self._view, self._roughness, uniform)
+        into = mi.warp.square_to_cosine_hemisphere(uniform)
+        other = 1 - self._share
+        density = dr.select(mirrors, self._share * lobe_density, other * into.z * dr.inv_pi)
+        through = self._through * (self._entered(into.z) / other)
+        weight = dr.select(mirrors, mi.Spectrum(lobe / self._share), through)
+        direction = dr.select(mirrors, self._here.to_world(out), self._there.to_world(into))
+        return direction, density, weight, mirrors
 
     def _entered(self, cosine: Any) -> Any:
         return (1 - self._reflection.directional(cosine, self._roughness)) / self._entering
