@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from lrsr.identities.basis import BaseHead, Basis, load_basis
 
 X, Y, Z = 0, 1, 2
-LIMIT_SD = 2.0
+LIMIT_SD = 1.95
 """Measures saturate softly towards this many standard deviations: people exceed it in one or two of
 36 measures, but shapes that do look like caricatures."""
 STEPS = 3

@@ -20,7 +20,7 @@ AGES = ("young", "old")
 RACES = ("african", "asian", "caucasian")
 LEVELS = ("min", "average", "max")
 
-SHAPE_GAIN = 2.0
+SHAPE_GAIN = 1.9
 """Widens all local variation, so that real recognisers tell the people apart; more looks like
 caricature."""
 ANCESTRY_GAIN = 1.6
@@ -128,7 +128,7 @@ SEX_SLIDERS = {
     "nose/nose-scale-depth-decr-incr": 0.12,
     "nose/nose-point-down-up": -0.12,
     "head/head-age-decr-incr": 0.36,
-    "head/head-scale-horiz-decr-incr": -0.2,
+    "head/head-scale-horiz-decr-incr": -0.15,
     "head/head-fat-decr-incr": -0.12,
     "mouth/mouth-angles-down-up": -0.2,
     "cheek/cheek-inner-decr-incr": -0.2,
