@@ -242,22 +242,14 @@ def _trace(tracer: _Tracer, scene: Any, sampler: Any, ray: Any, active: Any) -> 
 
     mi = start()
     context = mi.BSDFContext()
-    ray = mi.Ray3f(ray)
-    light, throughput = mi.Spectrum(0), mi.Spectrum(1)
-    depth = mi.UInt32(0)
-    before = dr.zeros(mi.Interaction3f)
-    density, delta = mi.Float(1), mi.Bool(True)
-    squared_index = mi.Float(1)
-    active, valid = mi.Bool(active), mi.Bool(False)
+    ray, active = mi.Ray3f(ray), mi.Bool(active)
+    si = scene.ray_intersect(ray, mi.RayFlags.All, True, active)
+    valid = si.is_valid()
+    light, throughput = si.emitter(scene).eval(si, active), mi.Spectrum(1)
+    depth, squared_index = mi.UInt32(1), mi.Float(1)
+    active = active & valid & (depth < tracer.max_depth)
+    # What misses everything never comes here, and so costs none of what follows.
     while dr.hint(active, label="subsurface path"):
-        si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
-        valid |= (depth == 0) & si.is_valid()
-        seen = mi.DirectionSample3f(scene, si, before)
-        direct = scene.pdf_emitter_direction(before, seen, active & ~delta)
-        emitted = seen.emitter.eval(si, active)
-        light += throughput * emitted * dr.select(delta, 1, _mis(density, direct))
-
-        active &= si.is_valid() & (depth + 1 < tracer.max_depth)
         skin = active & tracer.is_skin(si)
         vertex = _Vertex(tracer, scene, sampler, si, ray, skin)
 
@@ -291,14 +283,21 @@ def _trace(tracer: _Tracer, scene: Any, sampler: Any, ray: Any, active: Any) -> 
         throughput *= dr.select(skin, own_weight, weight)
         squared_index *= dr.select(skin, 1, dr.square(sample.eta))
         delta = ~skin & mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta)
-        before = dr.select(mirrors, mi.Interaction3f(si), vertex.interaction)
-        ray = before.spawn_ray(direction)
         brightest = dr.max(throughput)
         survival = dr.minimum(brightest * squared_index, 0.95)
-        dim = depth >= tracer.roulette_depth
+        dim = depth > tracer.roulette_depth
         throughput[dim] *= dr.rcp(survival)
         active &= (brightest != 0) & (~dim | (sampler.next_1d() < survival))
+
+        before = dr.select(mirrors, mi.Interaction3f(si), vertex.interaction)
+        ray = before.spawn_ray(direction)
+        si = scene.ray_intersect(ray, mi.RayFlags.All, False, active)
         depth += 1
+        seen = mi.DirectionSample3f(scene, si, before)
+        chance = scene.pdf_emitter_direction(before, seen, active & ~delta)
+        emitted = seen.emitter.eval(si, active) * dr.select(delta, 1, _mis(density, chance))
+        light[active] += throughput * emitted
+        active &= si.is_valid() & (depth < tracer.max_depth)
     return light, valid
 
 
