@@ -43,6 +43,7 @@ class Profile:
     def __init__(self, albedo: Any, mean_free_path_mm: Any, reach_mm: Any) -> None:
         import drjit as dr
 
+        self.mean_free_path_mm = mean_free_path_mm
         self.near, self.far = NEAR * mean_free_path_mm, far_width(albedo) * mean_free_path_mm
         self.reach = dr.minimum(reach_mm, REACH_WIDTHS * dr.max(self.far))
         weight = near_weight(albedo)
