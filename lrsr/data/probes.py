@@ -13,7 +13,7 @@ from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.recipe import ProbeRecipe
 from lrsr.errors import InputError
-from lrsr.identities.expression import find_expression
+from lrsr.identities.face.expression import find_expression
 from lrsr.identities.person import Person
 from lrsr.rendering.radiance import Radiance
 

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, is_dataclass, replace
 from typing import Any, Literal
 
 from lrsr.errors import InputError
-from lrsr.identities.expression import Expression, find_expression
+from lrsr.identities.face.expression import Expression, find_expression
 from lrsr.identities.population import EVERYBODY, Population
 from lrsr.identities.splits import SPLITS, Split
 from lrsr.rendering.lens import Lens, find_lens

@@ -18,7 +18,7 @@ from lrsr.data.probes import Probe, load_radiances, photograph, render_missing
 from lrsr.data.recipe import Kind, ProbeRecipe
 from lrsr.errors import InputError
 from lrsr.files import sweep
-from lrsr.identities.expression import find_expression
+from lrsr.identities.face.expression import find_expression
 from lrsr.identities.roster import UNCHECKED, Cast
 from lrsr.identities.splits import Split
 from lrsr.paths import cache_folder
@@ -27,7 +27,7 @@ from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.standpoint import find_standpoint
 
 if TYPE_CHECKING:
-    from lrsr.identities.expression import Expression
+    from lrsr.identities.face.expression import Expression
     from lrsr.rendering.lens import Lens
     from lrsr.rendering.scene import Lighting, Pose
     from lrsr.rendering.skin import Skin

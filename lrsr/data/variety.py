@@ -6,7 +6,7 @@ face with one or two lamps and whatever its walls send back.
 
 import numpy as np
 
-from lrsr.identities.expression import EXPRESSIONS, Expression, find_expression
+from lrsr.identities.face.expression import EXPRESSIONS, Expression, find_expression
 from lrsr.rendering.scene import LIGHTINGS, POSES, Light, Lighting, Pose
 
 NAMED_SHARE = 0.3

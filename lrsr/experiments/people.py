@@ -163,7 +163,7 @@ def gate_sentence(gate: Mapping[str, Any]) -> str:
     """Say how many people the plausibility gate drew again.
 
     Args:
-        gate: As :func:`lrsr.identities.gate.tally` counts.
+        gate: As :func:`lrsr.identities.gate.gate.tally` counts.
     """
     people, redrawn = gate["people"], gate["redrawn"]
     said = f"{redrawn} of {people} {_noun(people)} had a face or hair drawn again as implausible"

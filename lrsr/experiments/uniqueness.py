@@ -310,9 +310,9 @@ def gate_tally(gallery: Gallery, drawn: Sequence[Drawn]) -> dict[str, Any]:
         drawn: Who is counted.
 
     Returns:
-        See :func:`lrsr.identities.gate.tally`.
+        See :func:`lrsr.identities.gate.gate.tally`.
     """
-    from lrsr.identities.gate import tally
+    from lrsr.identities.gate.gate import tally
 
     known = {one: person.gate for one in drawn if (person := gallery.people.get(one))}
     unknown = [one for one in drawn if known.get(one) is None]

@@ -7,18 +7,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lrsr.identities.expression import Expression, find_expression
+    from lrsr.identities.face.expression import Expression, find_expression
     from lrsr.identities.head import LANDMARK_NAMES, Head, Part
     from lrsr.identities.morphable import RECIPE_VERSION, sample_head, sample_parameters
     from lrsr.identities.splits import identity_seed, split_of
 
 _HOMES = {
-    "Expression": "expression",
+    "Expression": "face.expression",
     "Head": "head",
     "LANDMARK_NAMES": "head",
     "Part": "head",
     "RECIPE_VERSION": "morphable",
-    "find_expression": "expression",
+    "find_expression": "face.expression",
     "identity_seed": "splits",
     "sample_head": "morphable",
     "sample_parameters": "morphable",

@@ -13,23 +13,23 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
-from lrsr.identities import regions
-from lrsr.identities.beard import Beard, sample_beard
-from lrsr.identities.brows import Brows, sample_brows
-from lrsr.identities.canvas import FloatMap
-from lrsr.identities.complexion import Complexion, sample_complexion
-from lrsr.identities.features import FeaturePainter
-from lrsr.identities.grain import Grain, GrainPainter, sample_grain
-from lrsr.identities.hair_colour import HairColour, sample_hair_colour
-from lrsr.identities.iris import Iris, sample_iris
-from lrsr.identities.lashes import Lashes, sample_lashes
-from lrsr.identities.layout import Layout
-from lrsr.identities.lines import Lines, draw_lines, sample_lines
-from lrsr.identities.make_up import Lips, MakeUp, sample_lips, sample_make_up
-from lrsr.identities.marks import Marks, sample_marks
-from lrsr.identities.pigments import PigmentPainter
-from lrsr.identities.relief import split_heights
-from lrsr.identities.sheen import Sheen, SheenPainter, sample_sheen
+from lrsr.identities.face.iris import Iris, sample_iris
+from lrsr.identities.face.lashes import Lashes, sample_lashes
+from lrsr.identities.hair.colour import HairColour, sample_hair_colour
+from lrsr.identities.skin import regions
+from lrsr.identities.skin.beard import Beard, sample_beard
+from lrsr.identities.skin.brows import Brows, sample_brows
+from lrsr.identities.skin.canvas import FloatMap
+from lrsr.identities.skin.complexion import Complexion, sample_complexion
+from lrsr.identities.skin.features import FeaturePainter
+from lrsr.identities.skin.grain import Grain, GrainPainter, sample_grain
+from lrsr.identities.skin.layout import Layout
+from lrsr.identities.skin.lines import Lines, draw_lines, sample_lines
+from lrsr.identities.skin.make_up import Lips, MakeUp, sample_lips, sample_make_up
+from lrsr.identities.skin.marks import Marks, sample_marks
+from lrsr.identities.skin.pigments import PigmentPainter
+from lrsr.identities.skin.relief import split_heights
+from lrsr.identities.skin.sheen import Sheen, SheenPainter, sample_sheen
 
 
 class Appearance(TypedDict):

@@ -3,7 +3,7 @@
 ``sample_head(seed)`` is the whole recipe: plain numbers are drawn once (:func:`sample_parameters`),
 shape, skin, brows, beard, eyes and hair are made from them, so they agree with each other. Every
 trait has a random stream of its own, so a change to one of them leaves the others as they were.
-A face or a head of hair that no adult has is drawn again (:mod:`lrsr.identities.gate`) before
+A face or a head of hair that no adult has is drawn again (:mod:`lrsr.identities.gate.gate`) before
 anything costly is made of it. All people are adults.
 """
 
@@ -16,26 +16,26 @@ from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
 from lrsr.identities.appearance import SkinMaps, SkinPainter, sample_appearance
-from lrsr.identities.basis import BaseHead, load_basis
-from lrsr.identities.expression import Expression, find_expression
-from lrsr.identities.eyes import Eyes, eye_chart, eyeball_vertices, unit_ball
-from lrsr.identities.gate import draw_plausible, record
-from lrsr.identities.hair import Scalp, build_hair, mean_colour, sample_hair
-from lrsr.identities.hair_fit import grow_shell
+from lrsr.identities.face.expression import Expression, find_expression
+from lrsr.identities.face.eyes import Eyes, eye_chart, eyeball_vertices, unit_ball
+from lrsr.identities.face.iris import paint_eye
+from lrsr.identities.face.lashes import lash_faces, place_lashes
+from lrsr.identities.face.lids import clear_lids, lid_margins
+from lrsr.identities.face.mouth import JAW_UNITS, build_mouth, cavity, lining
+from lrsr.identities.face.resting import RestingFace, act, rest_face
+from lrsr.identities.gate.gate import draw_plausible, record
+from lrsr.identities.gate.hair_fit import grow_shell
+from lrsr.identities.gate.mildness import draws_averaged, mean_anatomy
+from lrsr.identities.gate.plausibility import Plausibility, check_face, check_hair
+from lrsr.identities.hair.hair import Scalp, build_hair, mean_colour, sample_hair
 from lrsr.identities.head import Head, Part
-from lrsr.identities.iris import paint_eye
-from lrsr.identities.lashes import lash_faces, place_lashes
-from lrsr.identities.lids import clear_lids, lid_margins
-from lrsr.identities.mildness import draws_averaged, mean_anatomy
-from lrsr.identities.mouth import JAW_UNITS, build_mouth, cavity, lining
-from lrsr.identities.plausibility import Plausibility, check_face, check_hair
 from lrsr.identities.population import EVERYBODY, OLDEST_YEARS, YOUNGEST_YEARS, Population
-from lrsr.identities.position_map import PositionMap, draw_triangles, fill_outside
-from lrsr.identities.proportions import load_gauge
-from lrsr.identities.relief import displace
-from lrsr.identities.resting import RestingFace, act, rest_face
-from lrsr.identities.shape import RACES, Anatomy, coefficients, sample_anatomy
-from lrsr.identities.template import template
+from lrsr.identities.shape.anatomy import RACES, Anatomy, coefficients, sample_anatomy
+from lrsr.identities.shape.basis import BaseHead, load_basis
+from lrsr.identities.shape.proportions import load_gauge
+from lrsr.identities.shape.template import template
+from lrsr.identities.skin.position_map import PositionMap, draw_triangles, fill_outside
+from lrsr.identities.skin.relief import displace
 
 RECIPE_VERSION = "7"
 """Changes whenever the same seed would give other pixels."""
@@ -79,9 +79,9 @@ def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[
 
     Returns:
         JSON-serialisable: ``sex``, ``masculinity`` (0..1), ``age`` (0..1), ``age_years`` (25..75),
-        ``ancestry`` (shares of :data:`lrsr.identities.shape.RACES`), ``anatomy`` (see
-        :class:`lrsr.identities.shape.Anatomy`), what skin, eyes and hair need, and ``gate``, what
-        was drawn again and why (see :func:`lrsr.identities.gate.record`).
+        ``ancestry`` (shares of :data:`lrsr.identities.shape.anatomy.RACES`), ``anatomy`` (see
+        :class:`lrsr.identities.shape.anatomy.Anatomy`), what skin, eyes and hair need, and
+        ``gate``, what was drawn again and why (see :func:`lrsr.identities.gate.gate.record`).
 
     Raises:
         ValueError: The seed is negative.

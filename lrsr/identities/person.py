@@ -45,8 +45,8 @@ class Person:
         ancestry: Shares of the poles of the shape space, summing to 1.
         ita_deg: Individual typology angle of the bare cheeks; more is lighter.
         skin_tone: Its class, one of :data:`TONES`.
-        gate: What was drawn again and why, as :func:`lrsr.identities.gate.record` writes it; None
-            where it was not recorded.
+        gate: What was drawn again and why, as :func:`lrsr.identities.gate.gate.record` writes it;
+            None where it was not recorded.
     """
 
     sex: str

@@ -13,10 +13,10 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 from scipy import ndimage
 
-from lrsr.identities import regions
 from lrsr.identities.appearance import SkinPainter, paint_skin
-from lrsr.identities.lines import draw_lines, sample_lines
 from lrsr.identities.morphable import position_map, sample_parameters
+from lrsr.identities.skin import regions
+from lrsr.identities.skin.lines import draw_lines, sample_lines
 
 LINES = sample_lines(np.random.default_rng(0), age=0.9, masculinity=0.5)
 N_LINES = 12 + LINES["forehead_count"]

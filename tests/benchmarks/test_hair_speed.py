@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from lrsr.identities.hair import STYLES, Scalp, build_hair
-from lrsr.identities.hair_styles import style_parameters
+from lrsr.identities.hair.hair import STYLES, Scalp, build_hair
+from lrsr.identities.hair.styles import style_parameters
 from lrsr.identities.morphable import position_map, sample_head
 
 COLOUR = {"hair_colour": [0.1, 0.05, 0.02], "grey": 0.2}

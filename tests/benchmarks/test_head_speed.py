@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from lrsr.identities.basis import load_basis
 from lrsr.identities.morphable import sample_head
-from lrsr.identities.subdivision import subdivide
+from lrsr.identities.shape.basis import load_basis
+from lrsr.identities.shape.subdivision import subdivide
 
 
 def cpu_s(work: Callable[[], object], rounds: int = 5) -> float:

@@ -7,7 +7,7 @@ from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from lrsr.identities.expression import EXPRESSIONS, find_expression
+from lrsr.identities.face.expression import EXPRESSIONS, find_expression
 from lrsr.paths import config_folder
 from lrsr.rendering.lens import LENSES
 

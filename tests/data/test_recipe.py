@@ -9,7 +9,7 @@ import pytest
 from lrsr.data.cache import RenderCache
 from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.errors import InputError
-from lrsr.identities.expression import EXPRESSIONS, Expression
+from lrsr.identities.face.expression import EXPRESSIONS, Expression
 from lrsr.identities.population import Population
 from lrsr.rendering.lens import Lens, find_lens
 from lrsr.rendering.scene import LIGHTINGS, POSES, Light, Lighting, Pose

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lrsr.identities.basis import Basis, load_basis
-from lrsr.identities.makehuman import LASH_GROUPS, LEFT_EYE, RIGHT_EYE
+from lrsr.identities.face.resting import RestingFace, rest_face
 from lrsr.identities.morphable import sample_parameters
 from lrsr.identities.population import Population
-from lrsr.identities.resting import RestingFace, rest_face
-from lrsr.identities.shape import AGES, GENDERS, LEVELS, RACES, coefficients
+from lrsr.identities.shape.anatomy import AGES, GENDERS, LEVELS, RACES, coefficients
+from lrsr.identities.shape.basis import Basis, load_basis
+from lrsr.identities.shape.makehuman import LASH_GROUPS, LEFT_EYE, RIGHT_EYE
+from lrsr.identities.shape.topology import REGIONS
 from lrsr.identities.splits import identity_seed
-from lrsr.identities.topology import REGIONS
 
 CROWD = 60
 

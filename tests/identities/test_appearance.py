@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
-from lrsr.identities import regions
 from lrsr.identities.appearance import SkinMaps, SkinPainter, paint_skin, sample_appearance
 from lrsr.identities.morphable import position_map, template
+from lrsr.identities.skin import regions
 
 SIZE = 256
 EUROPEAN, AFRICAN = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)

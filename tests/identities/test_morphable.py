@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from lrsr.identities import morphable
-from lrsr.identities.basis import load_basis
-from lrsr.identities.eyes import unit_ball
-from lrsr.identities.gate import MOST_DRAWS, tally
-from lrsr.identities.hair import build_hair
+from lrsr.identities.face.eyes import unit_ball
+from lrsr.identities.gate.gate import MOST_DRAWS, tally
+from lrsr.identities.gate.openings import eyes_of, measure_eyes
+from lrsr.identities.gate.plausibility import Plausibility, Verdict, check_face, check_hair
+from lrsr.identities.hair.hair import build_hair
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import (
     RECIPE_VERSION,
@@ -24,11 +25,10 @@ from lrsr.identities.morphable import (
     stream,
     template,
 )
-from lrsr.identities.openings import eyes_of, measure_eyes
-from lrsr.identities.plausibility import Plausibility, Verdict, check_face, check_hair
 from lrsr.identities.population import EVERYBODY
-from lrsr.identities.shape import RACES
-from lrsr.identities.topology import REGIONS
+from lrsr.identities.shape.anatomy import RACES
+from lrsr.identities.shape.basis import load_basis
+from lrsr.identities.shape.topology import REGIONS
 
 SIZE = 128
 SEEDS = (0, 1, 5)

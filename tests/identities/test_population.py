@@ -18,7 +18,7 @@ from lrsr.identities.population import (
     Population,
     population_from,
 )
-from lrsr.identities.shape import RACES
+from lrsr.identities.shape.anatomy import RACES
 
 SEEDS = range(12)
 

@@ -1,0 +1,1 @@
+"""What moves or is seen apart: eyes, lids, lashes, mouth, teeth, and expressions."""

@@ -1,0 +1,1 @@
+"""Which faces pass as human: measures, limits, and what is drawn again."""

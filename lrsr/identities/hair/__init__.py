@@ -1,0 +1,1 @@
+"""Hair: a style, a colour, a shell of combed strands and ribbons on it."""

@@ -1,0 +1,129 @@
+"""Which hair does a person wear? A style drawn by sex, age and ancestry, and its colour."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lrsr.errors import InputError
+from lrsr.identities.hair.colour import HairColour, hair_rgb, sample_hair_colour
+from lrsr.identities.hair.scalp import smoothstep
+from lrsr.identities.hair.styles import STYLES, style_parameters
+
+ANCESTRIES = ("african", "asian", "caucasian")
+
+# Weights of the styles: (men, women). Ancestry and age change them in _style_weights.
+_WEIGHTS: dict[str, tuple[float, float]] = {
+    "shaved": (0.9, 0.0),
+    "buzz": (1.5, 0.03),
+    "crop": (2.0, 0.05),
+    "side_parting": (1.8, 0.06),
+    "receding": (0.9, 0.0),
+    "horseshoe": (0.5, 0.0),
+    "quiff": (1.4, 0.02),
+    "slicked_back": (0.9, 0.05),
+    "curly": (1.1, 0.4),
+    "afro": (0.25, 0.35),
+    "pixie": (0.25, 0.4),
+    "curtain": (0.35, 0.3),
+    "bob": (0.03, 1.6),
+    "long_straight": (0.12, 1.9),
+    "long_wavy": (0.12, 2.2),
+    "fringe": (0.02, 1.6),
+    "tucked": (0.15, 1.1),
+    "pulled_back": (0.12, 0.55),
+}
+
+_HAIRLINE_DEG = (-1.5, 1.5)
+"""What the hairline of women and of men lies above the middle of the styles' ranges, degrees."""
+
+
+def sample_hair(
+    rng: np.random.Generator,
+    masculinity: float,
+    age: float,
+    ancestry: Mapping[str, float],
+    colour: HairColour | None = None,
+) -> dict[str, Any]:
+    """Draw the hair of one person.
+
+    Args:
+        rng: The only source of chance.
+        masculinity: 0 (female) to 1 (male).
+        age: 0 (25 years) to 1 (old).
+        ancestry: Shares of "african", "asian" and "caucasian", any positive sum.
+        colour: The person's hair pigments; drawn here when not given.
+
+    Returns:
+        Plain numbers, strings and lists: ``style``, ``hair_colour`` (pigmented strands, linear RGB,
+        0..1), ``grey`` (share of grey strands, 0..1) and the numbers of the style.
+
+    Raises:
+        InputError: The ancestry has no share of any known kind.
+    """
+    shares = _shares(ancestry)
+    weights = _style_weights(masculinity, age, shares)
+    style = STYLES[int(rng.choice(len(STYLES), p=weights))]
+    parameters = style_parameters(style, rng)
+    male = _sex(masculinity)
+    parameters["hairline_deg"] *= 0.7
+    parameters["hairline_deg"] += (1.0 - male) * _HAIRLINE_DEG[0] + male * _HAIRLINE_DEG[1]
+    parameters["recession_deg"] *= 0.4 + 0.6 * male
+    ageing = max(age - 0.25, 0.0) * (0.2 + 0.8 * male)
+    if style not in ("receding", "horseshoe"):
+        parameters["hairline_deg"] += 7.0 * ageing * float(rng.uniform(0.2, 1.0))
+        parameters["recession_deg"] += 14.0 * ageing * float(rng.uniform(0.0, 1.0)) + 2.0 * male
+    curliness = shares["african"]
+    if style not in ("shaved", "afro"):
+        for key, gain in (("curl_mm", 2.5), ("clump_mm", 0.8), ("wave_mm", 1.5)):
+            parameters[key] += gain * curliness * float(rng.uniform(0.4, 1.0))
+    if colour is None:
+        colour = sample_hair_colour(rng, age=age, ancestry=[shares[name] for name in ANCESTRIES])
+    return parameters | colour_parameters(colour)
+
+
+def colour_parameters(colour: HairColour) -> dict[str, Any]:
+    """Return ``hair_colour`` (pigmented strands, linear RGB, 0..1) and ``grey`` (0..1)."""
+    return {
+        "hair_colour": [float(c) for c in hair_rgb(colour, grey=0.0)],
+        "grey": float(colour["grey"]),
+    }
+
+
+def _sex(masculinity: float) -> float:
+    """0 for women and 1 for men, whatever the degree; in between at 0.3 to 0.7."""
+    return float(smoothstep(np.asarray((masculinity - 0.3) / 0.4)))
+
+
+def _shares(ancestry: Mapping[str, float]) -> dict[str, float]:
+    total = sum(float(ancestry.get(name, 0.0)) for name in ANCESTRIES)
+    if not total > 0:
+        raise InputError(f"ancestry {dict(ancestry)} has no share of {', '.join(ANCESTRIES)}")
+    return {name: float(ancestry.get(name, 0.0)) / total for name in ANCESTRIES}
+
+
+def _style_weights(
+    masculinity: float, age: float, shares: Mapping[str, float]
+) -> NDArray[np.float64]:
+    male = _sex(masculinity)
+    weights = {s: male * men + (1.0 - male) * women for s, (men, women) in _WEIGHTS.items()}
+    african, asian = shares["african"], shares["asian"]
+    weights["afro"] *= 0.15 + 9.0 * african**2
+    weights["curly"] *= 0.5 + 2.2 * african + 0.3 * (1.0 - asian)
+    for style in ("buzz", "shaved"):
+        weights[style] *= 1.0 + 0.8 * african
+    for style in ("side_parting", "quiff", "curtain", "long_straight", "fringe", "bob", "tucked"):
+        weights[style] *= 1.0 - 0.65 * african
+    for style in ("fringe", "long_straight"):
+        weights[style] *= 1.0 + 0.5 * asian
+    for style in ("receding", "horseshoe"):
+        weights[style] *= 0.1 + 2.4 * age
+    for style in ("pixie", "bob"):
+        weights[style] *= 1.0 + 0.7 * age
+    for style in ("fringe", "long_straight"):
+        weights[style] *= 1.3 - 0.9 * age
+    for style in ("quiff", "curtain", "afro", "long_wavy"):
+        weights[style] *= 1.3 - age
+    values: NDArray[np.float64] = np.array([weights[s] for s in STYLES])
+    return np.asarray(values / values.sum())

@@ -1,0 +1,1 @@
+"""The shape space: MakeHuman's fields, the mesh, and which anatomy a person draws."""

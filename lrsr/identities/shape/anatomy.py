@@ -1,0 +1,335 @@
+"""Which anatomy does a person have? Coefficients of the shape space, varied but plausible.
+
+Single targets are drawn from a normal distribution, but their joint extremes are cut: within one
+region (nose, mouth, ...) the vector of draws is shortened to the length that a typical vector has,
+each slider saturates softly, and together they keep to human proportions
+(:mod:`lrsr.identities.shape.proportions`). Widths and dampings come from looking at some hundred
+heads.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import TypedDict
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from lrsr.identities.shape.proportions import Gauge, restrain
+
+GENDERS = ("female", "male")
+AGES = ("young", "old")
+RACES = ("african", "asian", "caucasian")
+LEVELS = ("min", "average", "max")
+
+SHAPE_GAIN = 1.9
+"""Widens all local variation, so that real recognisers tell the people apart; more looks like
+caricature."""
+ANCESTRY_GAIN = 1.6
+"""Exaggerates a mix of ancestries about the equal one."""
+ASYMMETRY = 0.22 * 1.2
+
+REGION_WIDTH = {
+    "head": 0.32,
+    "forehead": 0.45,
+    "eyebrows": 0.65,
+    "eyes": 0.75,
+    "nose": 0.62,
+    "mouth": 0.5,
+    "cheek": 0.38,
+    "chin": 0.42,
+    "ears": 0.4,
+    "neck": 0.25,
+}
+"""Standard deviation of a slider; 1 is the full length of a MakeHuman target."""
+
+DAMPING = {
+    "nose-nostrils-angle": 0.4,
+    "nose-flaring": 0.5,
+    "nose-point-down-up": 0.5,
+    "nose-nostrils-width": 0.6,
+    "nose-scale-depth": 0.7,
+    "nose-width3": 0.7,
+    "eye-scale": 0.8,
+    "eye-height2": 0.8,
+    "eye-push1": 0.8,
+    "eye-push2": 0.8,
+    "ear-wing": 0.6,
+    "ear-shape": 0.5,
+    "ear-scale-decr": 0.7,
+    "neck-double": 0.6,
+    "mouth-angles": 0.4,
+    "mouth-scale-depth": 0.6,
+    "mouth-trans-backward": 0.6,
+    "eyebrows-angle": 0.5,
+    "mouth-laugh-lines": 0.6,
+    "mouth-dimples": 0.6,
+    "cheek-inner": 0.7,
+    "cheek-volume": 0.7,
+    "chin-bones": 0.7,
+    "chin-cleft": 0.7,
+    "eye-bag": 0.6,
+    "nose-septumangle": 0.6,
+    "nose-compression": 0.6,
+    "head-age": 0.4,
+    "nose-volume": 0.55,
+    "nose-point-width": 0.65,
+    "nose-hump": 0.7,
+    "forehead-nubian": 0.7,
+    "mouth-upperlip-volume": 0.6,
+    "mouth-lowerlip-volume": 0.6,
+    "mouth-cupidsbow": 0.7,
+    "mouth-philtrum": 0.7,
+    "mouth-scale-vert": 0.8,
+    "head-fat": 0.8,
+    "chin-jaw-drop": 0.7,
+}
+"""Sliders whose extremes look odd before others do: the factor on their width, by name's start."""
+
+AGE_SLIDERS = {
+    "head/head-age-decr-incr": 1.2,
+    "eyes/eye-bag-decr-incr": 1.1,
+    "cheek/cheek-trans-down-up": -0.75,
+    "eyes/eye-eyefold-down-up": -0.6,
+    "mouth/mouth-laugh-lines-in-out": 0.75,
+    "neck/neck-double-decr-incr": 0.6,
+    "ears/ear-lobe-decr-incr": 0.5,
+    "mouth/mouth-upperlip-height-decr-incr": -0.5,
+    "mouth/mouth-lowerlip-height-decr-incr": -0.5,
+}
+"""What age adds to a slider, per unit of age beyond 0.3; the sign is the direction."""
+
+WOMEN_AGE_SLIDERS = {
+    "head/head-age-decr-incr": 0.5,
+    "eyes/eye-eyefold-down-up": -0.4,
+    "cheek/cheek-volume-decr-incr": -0.3,
+}
+"""What it adds to those of a woman, beyond: what makes women look feminine also hides their age."""
+
+SEX_SLIDERS = {
+    "chin/chin-width-decr-incr": 0.45,
+    "chin/chin-bones-decr-incr": 0.35,
+    "chin/chin-height-decr-incr": 0.25,
+    "chin/chin-prominent-decr-incr": 0.3,
+    "cheek/cheek-bones-decr-incr": -0.2,
+    "eyes/eye-scale-decr-incr": -0.42,
+    "eyes/eye-height2-decr-incr": -0.3,
+    "eyebrows/eyebrows-trans-backward-forward": 0.1,
+    "eyebrows/eyebrows-trans-down-up": -0.7,
+    "mouth/mouth-upperlip-height-decr-incr": -0.2,
+    "mouth/mouth-lowerlip-height-decr-incr": -0.2,
+    "neck/neck-scale-horiz-decr-incr": 0.3,
+    "neck/neck-scale-depth-decr-incr": 0.3,
+    "nose/nose-scale-vert-decr-incr": 0.2,
+    "nose/nose-width2-decr-incr": 0.35,
+    "nose/nose-width1-decr-incr": 0.3,
+    "nose/nose-scale-horiz-decr-incr": 0.26,
+    "nose/nose-width3-decr-incr": 0.1,
+    "nose/nose-volume-decr-incr": 0.4,
+    "nose/nose-point-width-decr-incr": 0.2,
+    "nose/nose-scale-depth-decr-incr": 0.12,
+    "nose/nose-point-down-up": -0.12,
+    "head/head-age-decr-incr": 0.36,
+    "head/head-scale-horiz-decr-incr": -0.15,
+    "head/head-fat-decr-incr": -0.12,
+    "mouth/mouth-angles-down-up": -0.2,
+    "cheek/cheek-inner-decr-incr": -0.2,
+}
+"""What being a man (+1) or a woman (-1) adds to a slider, beyond MakeHuman's own difference."""
+COMMON_SLIDERS = {
+    "eyes/eye-scale-decr-incr": 0.8,
+    "eyes/eye-push2-in-out": 0.9,
+    "eyes/eye-push1-in-out": -0.2,
+    "eyes/eye-height2-decr-incr": 0.4,
+    "ears/ear-scale-decr-incr": -0.35,
+    "head/head-scale-horiz-decr-incr": -0.05,
+    "nose/nose-scale-vert-decr-incr": -0.2,
+    "nose/nose-scale-horiz-decr-incr": -0.14,
+    "nose/nose-scale-depth-decr-incr": -0.05,
+    "nose/nose-width3-decr-incr": -0.05,
+    "nose/nose-flaring-decr-incr": 0.2,
+    "nose/nose-volume-decr-incr": -0.35,
+    "nose/nose-point-width-decr-incr": -0.15,
+    "nose/nose-point-down-up": 0.05,
+    "head/head-age-decr-incr": -0.2,
+    "cheek/cheek-inner-decr-incr": 0.2,
+    "head/head-fat-decr-incr": -0.2,
+    "chin/chin-bones-decr-incr": -0.15,
+    "neck/neck-scale-horiz-decr-incr": -0.7,
+    "mouth/mouth-angles-down-up": 0.3,
+}
+"""What everybody has, so that the average of each sex has the proportions that were measured on
+people (Farkas 1994): MakeHuman's eyes are a quarter too small, its ears too large, its jaws and
+necks too wide, its mouths a little sad."""
+
+RESTING_UNITS = {
+    "browInnerUp": 0.08,
+    "browDown": 0.06,
+    "browOuterUp": 0.3,
+    "cheekSquint": 0.25,
+    "eyeSquint": 0.55,
+    "eyeBlink": 0.25,
+    "mouthDimple": 0.25,
+    "mouthFrown": 0.04,
+    "mouthPress": 0.23,
+    "mouthPucker": 0.12,
+    "mouthShrugLower": 0.08,
+    "mouthSmile": 0.47,
+    "noseSneer": 0.09,
+    "jawForward": 0.15,
+}
+"""Face units of a resting face and the width of their strength."""
+EXPRESSION_SHARE = 0.6
+"""How many people show each of them."""
+
+
+class Anatomy(TypedDict):
+    """Everything that sets a head's geometry, as plain numbers.
+
+    ``sliders`` run from -1.5 to 1.5, where -1 and +1 are the ends of a MakeHuman pair;
+    ``head_shapes``, ``asymmetry`` and ``expression`` are weights of single targets.
+    """
+
+    muscle: float
+    weight: float
+    head_shapes: dict[str, float]
+    sliders: dict[str, float]
+    asymmetry: dict[str, float]
+    expression: dict[str, float]
+
+
+def _pairs(names: Sequence[str]) -> dict[str, list[str]]:
+    """List the sliders ("region/pair") of every region."""
+    pairs: dict[str, list[str]] = {region: [] for region in REGION_WIDTH}
+    for name in names:
+        region, *rest = name.split("/")
+        if region in pairs and rest[-1] == "+":
+            pairs[region].append(f"{region}/{rest[0]}")
+    return pairs
+
+
+def _damping(slider: str) -> float:
+    pair = slider.split("/")[1]
+    return next((f for start, f in DAMPING.items() if pair.startswith(start)), 1.0)
+
+
+def _draw_sliders(
+    names: Sequence[str], gauge: Gauge, masculinity: float, age: float, rng: Generator
+) -> dict[str, float]:
+    drawn: dict[str, float] = {}
+    widths: list[float] = []
+    for region, sliders in _pairs(names).items():
+        z = rng.standard_normal(len(sliders))
+        z *= min(1.0, 1.05 * np.sqrt(len(z)) / np.linalg.norm(z))
+        width = REGION_WIDTH[region] * SHAPE_GAIN * np.array([_damping(s) for s in sliders])
+        drawn |= dict(zip(sliders, (1.1 * np.tanh(z * width / 1.1)).tolist(), strict=True))
+        widths += width.tolist()
+    place = {name: k for k, name in enumerate(names)}
+    ends = np.array([[place[f"{slider}/-"], place[f"{slider}/+"]] for slider in drawn])
+    kept = restrain(gauge, np.array(list(drawn.values())), ends, np.array(widths))
+    values = dict(zip(drawn, kept.tolist(), strict=True))
+    beyond = max(0.0, age - 0.3)
+    for slider, gain in AGE_SLIDERS.items():
+        values[slider] += gain * beyond * abs(rng.normal(0.7, 0.5))
+    if masculinity < 0.5:
+        for slider, gain in WOMEN_AGE_SLIDERS.items():
+            values[slider] += gain * beyond
+    for slider, gain in SEX_SLIDERS.items():
+        values[slider] += gain * (2.0 * masculinity - 1.0)
+    for slider, offset in COMMON_SLIDERS.items():
+        values[slider] += offset
+    return {slider: float(np.clip(value, -1.5, 1.5)) for slider, value in values.items()}
+
+
+def _draw_expression(names: Sequence[str], rng: Generator) -> dict[str, float]:
+    known = {name.removeprefix("unit/") for name in names}
+    strengths: dict[str, float] = {}
+    for unit, width in RESTING_UNITS.items():
+        shown, strength = rng.random() < EXPRESSION_SHARE, abs(rng.normal(0.0, width))
+        sides = zip((f"{unit}Left", f"{unit}Right"), rng.uniform(0.75, 1.25, 2), strict=True)
+        if shown:
+            factors = {unit: 1.0} if unit in known else dict(sides)
+            strengths |= {side: float(strength * factor) for side, factor in factors.items()}
+    return strengths
+
+
+def sample_anatomy(
+    names: Sequence[str], gauge: Gauge, rng: Generator, *, masculinity: float, age: float
+) -> Anatomy:
+    """Draw a person's anatomy beyond sex, age and ancestry.
+
+    Args:
+        names: The fields of the basis.
+        gauge: What they do to the measures of a face.
+        rng: Source of randomness.
+        masculinity: 0 (female) to 1 (male).
+        age: 0 (25 years) to 1 (old).
+
+    Returns:
+        Plain numbers; :func:`coefficients` turns them into a shape.
+    """
+    shapes = [name.split("/")[1] for name in names if name.startswith("shape/")]
+    sides = [name.split("/")[1] for name in names if name.startswith("asym/")]
+    amount = rng.uniform(0.2, 0.9)
+    asymmetry = np.clip(rng.normal(0.0, ASYMMETRY, len(sides)), -0.6, 0.6)
+    return {
+        "muscle": float(rng.uniform(0.22, 0.5 + 0.25 * masculinity)),
+        "weight": float(np.clip(rng.normal(0.5, 0.3), 0.04, 0.96)),
+        "head_shapes": dict(
+            zip(shapes, (amount * rng.dirichlet([0.3] * len(shapes))).tolist(), strict=True)
+        ),
+        "sliders": _draw_sliders(names, gauge, masculinity, age, rng),
+        "asymmetry": {
+            side: float(value) for side, value in zip(sides, asymmetry, strict=True) if value > 0
+        },
+        "expression": _draw_expression(names, rng),
+    }
+
+
+def _tents(value: float) -> dict[str, float]:
+    """Weights of min, average and max for a value in [0, 1]; they sum to 1."""
+    return {
+        "min": max(0.0, 1.0 - 2.0 * value),
+        "average": 1.0 - abs(2.0 * value - 1.0),
+        "max": max(0.0, 2.0 * value - 1.0),
+    }
+
+
+def coefficients(
+    names: Sequence[str],
+    anatomy: Anatomy,
+    *,
+    masculinity: float,
+    age: float,
+    ancestry: Mapping[str, float],
+) -> NDArray[np.float64]:
+    """Turn plain numbers into coefficients of the basis.
+
+    Args:
+        names: The fields of the basis, in order.
+        anatomy: As :func:`sample_anatomy` draws it.
+        masculinity: 0 (female) to 1 (male).
+        age: 0 (MakeHuman's young adult) to 1 (its old one).
+        ancestry: Shares of :data:`RACES`, summing to 1.
+
+    Returns:
+        ``(K,)``.
+    """
+    sex = {"female": 1.0 - masculinity, "male": masculinity}
+    ages = {"young": 1.0 - age, "old": age}
+    muscle, weight = _tents(anatomy["muscle"]), _tents(anatomy["weight"])
+    values: dict[str, float] = {}
+    for gender in GENDERS:
+        for years in AGES:
+            both = sex[gender] * ages[years]
+            for m in LEVELS:
+                for w in LEVELS:
+                    values[f"macro/{gender}/{years}/{m}/{w}"] = both * muscle[m] * weight[w]
+            for race in RACES:
+                share = 1 / 3 + ANCESTRY_GAIN * (ancestry[race] - 1 / 3)
+                values[f"race/{race}/{gender}/{years}"] = both * share
+    for slider, value in anatomy["sliders"].items():
+        values[f"{slider}/+"], values[f"{slider}/-"] = max(value, 0.0), max(-value, 0.0)
+    values |= {f"shape/{name}": value for name, value in anatomy["head_shapes"].items()}
+    values |= {f"asym/{name}": value for name, value in anatomy["asymmetry"].items()}
+    values |= {f"unit/{name}": value for name, value in anatomy["expression"].items()}
+    return np.array([values.get(name, 0.0) for name in names])

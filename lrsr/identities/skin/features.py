@@ -1,0 +1,166 @@
+"""What is drawn over the bare skin of a face? Make-up, the beard and the brows.
+
+:class:`FeaturePainter` knows where each of them lies in one texture and on the render mesh; what
+they look like is drawn on their own sheets (``brows``, ``beard``).
+"""
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import ArrayLike, NDArray
+
+from lrsr.identities.face.lashes import Lashes
+from lrsr.identities.hair.colour import HairColour, hair_rgb
+from lrsr.identities.skin import beard as beards
+from lrsr.identities.skin import brows as eyebrows
+from lrsr.identities.skin import regions
+from lrsr.identities.skin.beard import Beard
+from lrsr.identities.skin.brows import Brows
+from lrsr.identities.skin.canvas import FloatMap
+from lrsr.identities.skin.make_up import MakeUp
+
+_WARM = np.array([1.6, 1.0, 0.6], dtype=np.float32)  # skin shines through the hairs
+_DARKEST_BROW = np.array([0.036, 0.016, 0.007], dtype=np.float32)
+_WHITE_BROW = (0.36, 0.33, 0.30)
+_BLUSH = np.array([0.46, 0.16, 0.15])
+_CHEEKBONE_MM = (44.0, -30.0, -14.0)
+_LASH_ROOTS = (0.030, 0.018, 0.012)
+_BROW_GREY = 0.45  # brows turn grey later than the hair of the head
+
+
+class FeaturePainter:
+    """Paints make-up, beards and brows of any number of people into one texture layout.
+
+    Args:
+        position: ``(H, W, 3)`` float32, the template point of each texel, mm.
+        vertices: ``(V, 3)``, the template's vertices that beards thicken, mm.
+        texel_mm: Size of a texel on the face, mm, > 0.
+    """
+
+    def __init__(self, position: FloatMap, vertices: NDArray[Any], texel_mm: float) -> None:
+        self._texel_mm = texel_mm
+        face_pixels = regions.FACE.to_pixels(position)
+        self._front = regions.front(position)
+        self._lips = regions.lip_mask(position, face_pixels)
+        self._contact = regions.lip_contact(position) * self._lips
+        self._cheeks = regions.blob(position, _CHEEKBONE_MM, (13.0, 8.0, 30.0)) * self._front
+        self._lids = regions.blood_regions(position)["lids"]
+        self._liner = regions.lid_margin(face_pixels, 2.8, upper=True) * self._front
+        self._lash_line = regions.lid_margin(face_pixels, 1.9, upper=True) * self._front
+        cheek = self._cheeks > np.float32(0.8)
+        self._skin_sample = tuple(index[::16] for index in np.nonzero(cheek))
+        self._brow_pixels = eyebrows.CANVAS.to_pixels(position)
+        self._jaw_pixels = beards.JAW.to_pixels(beards.to_jaw(position))
+        self._zones = beards.beard_zones(position, self._lips)
+        self._shadow = beards.shadow_mask(self._zones)
+        vertices = np.asarray(vertices, dtype=np.float32)
+        self._vertex_pixels = beards.JAW.to_pixels(beards.to_jaw(vertices))
+        vertex_lips = regions.lip_mask(vertices, regions.FACE.to_pixels(vertices))
+        self._vertex_zones = beards.beard_zones(vertices, vertex_lips)
+
+    def paint_make_up(self, albedo: FloatMap, make_up: MakeUp) -> None:
+        """Put make-up on.
+
+        Args:
+            albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
+            make_up: What a person wears.
+        """
+        # Darker skin wears darker make-up: pale colours would look like chalk.
+        depth = min(1.0, 0.2 + 3.2 * float(albedo[self._skin_sample].mean()))
+        if make_up["lipstick"] > 0:
+            opacity = np.float32(make_up["lipstick"]) * self._lips
+            opacity *= 1 - np.float32(0.4) * self._contact
+            _cover(albedo, depth * np.asarray(make_up["lipstick_colour"]), opacity)
+        if make_up["blush"] > 0:
+            _cover(albedo, depth * _BLUSH, np.float32(make_up["blush"]) * self._cheeks)
+        if make_up["eyeshadow"] > 0:
+            opacity = np.float32(make_up["eyeshadow"]) * self._lids
+            _cover(albedo, depth * np.asarray(make_up["eyeshadow_colour"]), opacity)
+        if make_up["eyeliner"] > 0:
+            _cover(albedo, (0.012, 0.010, 0.010), np.float32(make_up["eyeliner"]) * self._liner)
+
+    def paint_lash_lines(self, albedo: FloatMap, lashes: Lashes) -> None:
+        """Darken the upper lids where the roots of the lashes stand.
+
+        Args:
+            albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
+            lashes: A person's lashes.
+        """
+        opacity = np.float32(min(0.75, 3.2 * lashes["width_mm"])) * self._lash_line
+        _cover(albedo, _LASH_ROOTS, opacity)
+
+    def paint_brows(self, albedo: FloatMap, brows: Brows, hair: HairColour, rng: Generator) -> None:
+        """Paint the brows.
+
+        Args:
+            albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
+            brows: A person's brows.
+            hair: The pigments of the hair.
+            rng: Source of randomness of the single hairs.
+        """
+        hairs = eyebrows.lay_brows(brows, rng)
+        white = round(min(1.0, _BROW_GREY * hair["grey"]) * len(hairs))
+        colour = hair_rgb(hair, darker=2.2, grey=0.0) * _WARM
+        colour *= min(1.0, 0.13 / float(colour.max()))
+        colour = np.maximum(colour, _DARKEST_BROW)
+        self._cover_brow(albedo, hairs[white:], colour)
+        if white:
+            self._cover_brow(albedo, hairs[:white], _WHITE_BROW)
+
+    def _cover_brow(self, albedo: FloatMap, hairs: NDArray[Any], colour: ArrayLike) -> None:
+        canvas = eyebrows.CANVAS
+        sheet = self._soften(eyebrows.cover_brows(hairs), canvas.pixel_mm)
+        opacity = canvas.sample(sheet, self._brow_pixels).astype(np.float32)
+        opacity *= self._front / np.float32(255)
+        _cover(albedo, colour, opacity)
+
+    def paint_beard(
+        self, albedo: FloatMap, beard: Beard, hair: HairColour, rng: Generator
+    ) -> FloatMap:
+        """Paint shaven hair and the beard.
+
+        Args:
+            albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
+            beard: A person's beard.
+            hair: The pigments of the hair.
+            rng: Source of randomness of the single hairs.
+
+        Returns:
+            How far the beard stands out at each vertex, ``(V,)`` float32, mm.
+        """
+        relief = np.zeros(len(self._vertex_pixels), dtype=np.float32)
+        colour = hair_rgb(hair, darker=2.0, grey=beard["grey"])
+        if beard["shadow"] > 0:
+            dark = 1 - min(1.0, 4.0 * float(colour.mean()))
+            opacity = np.float32(0.42 * beard["shadow"] * dark) * self._shadow
+            _cover(albedo, (0.055, 0.058, 0.064), opacity)
+        if beard["kind"] == "none":
+            return relief
+        sheet = beards.draw_beard(beard, rng)
+        tufts = beards.thin_out(beard, rng, sheet.shape)
+        sheet = np.asarray(cv2.multiply(sheet, tufts, dtype=cv2.CV_8U), dtype=np.uint8)
+        sheet = self._soften(sheet, beards.JAW.pixel_mm)
+        opacity = beards.JAW.sample(sheet, self._jaw_pixels).astype(np.float32)
+        mask = beards.beard_mask(beard, self._zones)
+        _cover(albedo, colour, beards.feather(opacity / np.float32(255), mask))
+        if len(relief) and beard["kind"] != "stubble":
+            length = np.float32(0.7 * beard["length_mm"] * min(1.0, beard["density"]))
+            thick = beards.JAW.sample(tufts, self._vertex_pixels)
+            relief = length * thick * beards.beard_mask(beard, self._vertex_zones)
+        return np.asarray(relief, dtype=np.float32)
+
+    def _soften(self, sheet: NDArray[np.uint8], pixel_mm: float) -> NDArray[np.uint8]:
+        """Blur hairs to the size of a texel, so that none is lost between two."""
+        sigma = max(0.3, 0.35 * self._texel_mm / pixel_mm)
+        return np.asarray(cv2.GaussianBlur(sheet, (0, 0), sigma), dtype=np.uint8)
+
+
+def _cover(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
+    """Paint a colour over the albedo in place, within the box that the opacity touches."""
+    rows, columns = (np.flatnonzero(opacity.any(axis=axis)) for axis in (1, 0))
+    if rows.size:
+        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        part = albedo[box]
+        part += (np.asarray(colour, dtype=np.float32) - part) * opacity[box][..., None]

@@ -1,0 +1,80 @@
+import json
+
+import numpy as np
+import pytest
+
+from lrsr.identities.morphable import sample_head
+from lrsr.identities.person import describe
+from lrsr.identities.population import Population
+from lrsr.identities.skin.complexion import (
+    BLOOD_LIMITS,
+    MELANIN_LIMITS,
+    sample_complexion,
+)
+from lrsr.identities.splits import identity_seed
+
+
+@pytest.mark.parametrize(
+    ("ancestry", "melanin"),
+    [((1, 0, 0), 0.24), ((0, 1, 0), 0.030), ((0, 0, 1), 0.0095), ((0.5, 0, 0.5), 0.0477)],
+    ids=["african", "asian", "european", "half and half"],
+)
+def test_melanins_median_follows_ancestry(
+    ancestry: tuple[float, float, float], melanin: float
+) -> None:
+    rng = np.random.default_rng(0)
+    drawn = [sample_complexion(rng, age=0.3, ancestry=ancestry)["melanin"] for _ in range(800)]
+    # the median of 800 draws of spread 0.42 in the logarithm: 4 standard errors are 7.4 %
+    assert np.median(drawn) == pytest.approx(melanin, rel=0.075)
+    assert min(drawn) >= MELANIN_LIMITS[0]
+    assert max(drawn) <= MELANIN_LIMITS[1]
+
+
+@pytest.mark.parametrize(
+    ("ancestry", "lowest", "highest"),
+    [("african", -60.0, 0.0), ("asian", 15.0, 40.0), ("caucasian", 28.0, 48.0)],
+)
+def test_cheeks_are_as_light_as_those_of_people(
+    ancestry: str, lowest: float, highest: float
+) -> None:
+    only = Population(ancestry=(ancestry,))
+    seeds = [identity_seed("test", index) for index in range(12)]
+    heads = [sample_head(seed, texture_size=128, population=only) for seed in seeds]
+    assert lowest < np.median([describe(head).ita_deg for head in heads]) < highest
+
+
+def test_blood_keeps_within_its_limits() -> None:
+    rng = np.random.default_rng(0)
+    drawn = [sample_complexion(rng, age=0.3, ancestry=(0, 0, 1))["blood"] for _ in range(400)]
+    assert min(drawn) >= BLOOD_LIMITS[0]
+    assert max(drawn) <= BLOOD_LIMITS[1]
+    assert np.median(drawn) == pytest.approx(0.022, rel=0.1)
+
+
+def test_circles_darken_with_age() -> None:
+    rng = np.random.default_rng(0)
+    young, old = (
+        np.mean(
+            [
+                sample_complexion(rng, age=age, ancestry=(0, 0, 1))["dark_circles"]
+                for _ in range(200)
+            ]
+        )
+        for age in (0.0, 1.0)
+    )
+    assert old > young + 0.1
+
+
+def test_no_cheek_is_a_clowns() -> None:
+    rng = np.random.default_rng(0)
+    drawn = [sample_complexion(rng, age=0.3, ancestry=(0, 0, 1)) for _ in range(500)]
+    assert max(person["cheeks"] for person in drawn) < 0.6
+    assert np.std([person["cheeks"] for person in drawn]) > 0.1
+
+
+def test_everything_survives_json() -> None:
+    rng = np.random.default_rng(0)
+    drawn = [
+        sample_complexion(rng, age=0.5, ancestry=(0.2, 0.3, 0.5)),
+    ]
+    assert json.loads(json.dumps(drawn)) == drawn
