@@ -19,7 +19,7 @@ from lrsr.experiments.people import answer, check_uniqueness, gate_sentence
 from lrsr.experiments.portraits import GAP_PX, LINE_PX
 from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
 from lrsr.experiments.uniqueness import Findings, UniquenessSettings
-from lrsr.identities.gate import tally
+from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.roster import read_roster
 from lrsr.identities.uniqueness import Distinct

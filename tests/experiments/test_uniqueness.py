@@ -31,7 +31,7 @@ from lrsr.experiments.uniqueness import (
     uniqueness_settings,
 )
 from lrsr.experiments.verification import Verification
-from lrsr.identities.gate import tally
+from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION, sample_parameters
 from lrsr.identities.population import Population
 from lrsr.identities.roster import Roster, write_roster
