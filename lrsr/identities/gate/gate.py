@@ -14,7 +14,7 @@ from lrsr.identities.gate.plausibility import Plausibility
 T = TypeVar("T")
 
 MOST_DRAWS = 48
-"""Of somebody of whom four draws in five fail, one in a thousand has no draw that passes; fewer, as
+"""Of people of whom nine draws in ten fail, six in a thousand have no draw that passes; fewer, as
 later draws of a face are milder (:mod:`lrsr.identities.gate.mildness`)."""
 
 
