@@ -26,8 +26,8 @@ FIT_RANGE = (0.016, 0.81)
 NEAR = 0.19
 """Width of the narrow exponential, mean free paths, for every albedo."""
 
-GROWTH_RANGE = (-1.0, 3.0)
-"""How far curvature may shift the logit of an albedo: grooves and edges are no spheres."""
+GROWTH_RANGE = (-0.5, 0.5)
+"""How far curvature may shift the logit of an albedo: lids, lips and grooves are no spheres."""
 
 _WEIGHT = (-0.573, -9.373, 11.488, -5.467)
 _FAR = (0.4933, 5.9288, -5.8006, 7.1055)
@@ -102,7 +102,8 @@ def curved_gain(albedo: Any, curvature: Any) -> Any:
     Light that would run along a plane for long meets the surface of a ball sooner, and less of it
     is absorbed. In spheres the simulation has the logit of A grow by m κ with m = (0.55 + 2.85 √A)
     / (1 - A), for A from 0.06 to 0.81 and radii of 4 to 300 mean free paths; the result is within
-    4 % of it from radii of 10 on. At A = 1 nothing is absorbed and nothing gained.
+    4 % of it where the shift stays in :data:`GROWTH_RANGE`. At A = 1 nothing is absorbed and
+    nothing gained.
 
     Args:
         albedo: Diffuse albedo A on a plane, any array of Dr.Jit or a number, [0, 1].

@@ -44,7 +44,7 @@ class Skin:
     absorption_per_mm: Colour = (0.032, 0.17, 0.48)
     scattering_per_mm: Colour = (0.74, 0.88, 1.01)
     refractive_index: float = 1.4
-    reach_mm: float = 12.0
+    reach_mm: float = 10.0
 
     def __post_init__(self) -> None:
         for key in ("absorption_per_mm", "scattering_per_mm"):
