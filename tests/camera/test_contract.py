@@ -33,5 +33,5 @@ def test_a_setting_that_breaks_its_rule_is_named_with_the_remedy() -> None:
 @pytest.mark.parametrize("origin_px", [(1,), (1, 2, 3), (0, -1), (0.5, 0)], ids=str)
 def test_an_origin_is_two_whole_numbers(origin_px: tuple[int, int]) -> None:
     assert check_origin((3.0, 0)) == (3, 0)  # as configurations may write it
-    with pytest.raises(InputError, match="origin_px=.*: wanted two whole numbers"):
+    with pytest.raises(InputError, match=r"origin_px=.*: wanted two whole numbers"):
         check_origin(origin_px)

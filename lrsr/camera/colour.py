@@ -1,0 +1,121 @@
+"""What do a sensor's filters make of colours, and how does the camera undo it?
+
+The filters of a sensor overlap: raw = R · linear, with the 3 × 3 responses R to the primaries of
+sRGB. The camera multiplies the channels by the white balance's gains, so that its idea of white
+becomes grey, clips, and takes the overlap out by a colour matrix M, whose rows sum to 1 so that
+grey stays grey (J. Nakamura, Image Sensors and Signal Processing, CRC 2006, sec. 3.4 and 8.1).
+Noise grows in both. A white balance that misses leaves a cast.
+"""
+
+from collections.abc import Sequence
+
+import torch
+from torch import nn
+
+from lrsr.camera.contract import check_light, check_setting
+
+Matrix = Sequence[Sequence[float]]
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+class Colour(nn.Module):
+    """The responses of the filters, white balance and colour matrix.
+
+    Args:
+        responses: ``(3, 3)``, what the red, green and blue sites see (rows) of linear red, green
+            and blue (columns); what white gives must be positive, and 1 or less, or white clips.
+        cast: Gains (red, green, blue) that the white balance is wrong by, > 0; (1, 1, 1): grey is
+            grey; more than 1 clips the brightest of it.
+        white_balance: Gains (red, green, blue); None: those that make white white, times ``cast``.
+        matrix: ``(3, 3)``; None: the one that undoes ``responses`` exactly.
+
+    Raises:
+        InputError: A value is out of its range, or ``responses`` cannot be inverted.
+
+    Example:
+        >>> colour = Colour(((0.5, 0.1, 0.0), (0.1, 0.8, 0.1), (0.0, 0.1, 0.6)))
+        >>> light = torch.tensor([0.5, 0.2, 0.1])[None, :, None, None]
+        >>> [round(value, 4) for value in colour(colour.filter(light)).flatten().tolist()]
+        [0.5, 0.2, 0.1]
+    """
+
+    def __init__(
+        self,
+        responses: Matrix = IDENTITY,
+        *,
+        cast: Sequence[float] = (1.0, 1.0, 1.0),
+        white_balance: Sequence[float] | None = None,
+        matrix: Matrix | None = None,
+    ) -> None:
+        super().__init__()
+        seen = _matrix("responses", responses)
+        white = seen.sum(1)
+        possible = bool((white > 0).all()) and abs(float(torch.linalg.det(seen))) > 1e-6
+        check_setting("responses", seen.tolist(), possible, "independent rows with sums > 0")
+        gains = _gains("cast", cast) / white
+        if white_balance is not None:
+            gains = _gains("white_balance", white_balance)
+        undo = torch.linalg.inv(seen / white[:, None])
+        self.responses = _rows(seen)
+        self.white_balance = tuple(gains.tolist())
+        self.matrix = _rows(undo if matrix is None else _matrix("matrix", matrix))
+
+    def filter(self, linear: torch.Tensor) -> torch.Tensor:
+        """Return what the filters let through, ``(B, 3, H, W)``, of linear light.
+
+        Raises:
+            ImageContractError: ``linear`` is no batch of three colours.
+        """
+        return mix(linear, self.responses)
+
+    def forward(self, raw: torch.Tensor) -> torch.Tensor:
+        """Balance raw channels ``(B, 3, H, W)``, clip them at white, and unmix them.
+
+        Returns:
+            ``(B, 3, H, W)``, linear, not above 1 where the matrix has no entry above 1; may be < 0.
+
+        Raises:
+            ImageContractError: ``raw`` is no batch of three colours.
+        """
+        check_light(raw, name="raw")
+        gains = torch.tensor(self.white_balance, dtype=raw.dtype, device=raw.device)
+        return mix((raw * gains[:, None, None]).clamp_max(1.0), self.matrix)
+
+    def extra_repr(self) -> str:
+        """Show the settings when the module is printed."""
+        gains = ", ".join(f"{gain:.3g}" for gain in self.white_balance)
+        return f"white_balance=({gains}), matrix={self.matrix}"
+
+
+def mix(linear: torch.Tensor, matrix: Matrix) -> torch.Tensor:
+    """Multiply each pixel of ``(B, 3, H, W)`` by a ``(3, 3)`` matrix.
+
+    Raises:
+        ImageContractError: ``linear`` is no batch of three colours.
+
+    Example:
+        >>> swap = ((0, 1, 0), (1, 0, 0), (0, 0, 1))
+        >>> mix(torch.tensor([1.0, 2.0, 3.0])[None, :, None, None], swap).flatten().tolist()
+        [2.0, 1.0, 3.0]
+    """
+    check_light(linear)
+    red, green, blue = linear.unbind(1)
+    return torch.stack([row[0] * red + row[1] * green + row[2] * blue for row in matrix], 1)
+
+
+def _matrix(name: str, rows: Matrix) -> torch.Tensor:
+    values = [[float(value) for value in row] for row in rows]
+    square = len(values) == 3 and all(len(row) == 3 for row in values)
+    check_setting(name, values, square, "three rows of three numbers")
+    return torch.tensor(values, dtype=torch.float64)
+
+
+def _gains(name: str, gains: Sequence[float]) -> torch.Tensor:
+    values = [float(gain) for gain in gains]
+    usable = len(values) == 3 and min(values) > 0
+    check_setting(name, values, usable, "three gains > 0")
+    return torch.tensor(values, dtype=torch.float64)
+
+
+def _rows(matrix: torch.Tensor) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(row) for row in matrix.tolist())
