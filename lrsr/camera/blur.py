@@ -1,0 +1,161 @@
+"""How does one lens spread points of each colour, at each place and distance? Its kernels."""
+
+import math
+from dataclasses import dataclass
+
+import torch
+
+from lrsr.camera.aberrations import Seidel, defocus_waves, focus_shift_um
+from lrsr.camera.contract import check_setting
+from lrsr.camera.diffraction import airy_kernel, check_positive, diffraction_length_um
+from lrsr.camera.pupil import pupil_kernel
+from lrsr.errors import InputError
+
+TAIL = 16
+"""How far kernels reach beyond the geometric blur, in λ / (2A): 98.7 % of an Airy disk's light."""
+MAX_PUPIL = 1024
+"""Samples across the pupil at most: enough for 120 waves of defocus."""
+
+
+@dataclass(frozen=True)
+class Blur:
+    """Diffraction, defocus, axial colour and Seidel's aberrations; all numbers are plain.
+
+    Attributes:
+        f_number: Focal length over diameter of the pupil, > 0.
+        focal_mm: Focal length, mm, > 0.
+        wavelengths_nm: Of each colour, nm, > 0; waves are those of the middle one.
+        focus_m: Distance that is sharp, m; None: the subject, wherever it is.
+        defocus_um: How far behind the film the focus lies, µm, < 0: before it.
+        axial_colour_um: What each colour adds to that, µm.
+        spherical_waves: W₀₄₀ (:class:`lrsr.camera.aberrations.Seidel`).
+        coma_waves: W₁₃₁ at the edge of the field; > 0: tails point outwards.
+        astigmatism_waves: W₂₂₂ at the edge of the field.
+        curvature_waves: W₂₂₀ at the edge of the field.
+
+    Raises:
+        InputError: A number is not finite, or not positive where it must be.
+    """
+
+    f_number: float
+    focal_mm: float = 3.0
+    wavelengths_nm: tuple[float, ...] = (611.4, 549.1, 464.2)
+    focus_m: float | None = None
+    defocus_um: float = 0.0
+    axial_colour_um: tuple[float, ...] = (0.0, 0.0, 0.0)
+    spherical_waves: float = 0.0
+    coma_waves: float = 0.0
+    astigmatism_waves: float = 0.0
+    curvature_waves: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            InputError: They cannot be a lens.
+        """
+        check_positive(f_number=self.f_number, focal_mm=self.focal_mm)
+        for wavelength in self.wavelengths_nm:
+            check_positive(wavelengths_nm=wavelength)
+        if self.focus_m is not None:
+            check_setting(
+                "focus_m", self.focus_m, 1000 * self.focus_m > self.focal_mm, "> focal_mm"
+            )
+        for name in ("defocus_um", "spherical_waves", "coma_waves", "astigmatism_waves"):
+            check_setting(name, getattr(self, name), math.isfinite(getattr(self, name)), "a number")
+        curvature = self.curvature_waves
+        check_setting("curvature_waves", curvature, math.isfinite(curvature), "a number")
+
+    @property
+    def varies(self) -> bool:
+        """Does the blur depend on the place in the picture?"""
+        return bool(self.coma_waves or self.astigmatism_waves or self.curvature_waves)
+
+    def kernels(
+        self, field: torch.Tensor, pitch_um: float, subject_m: torch.Tensor | float | None = None
+    ) -> torch.Tensor:
+        """Return the image of a point, integrated over pixels.
+
+        Args:
+            field: ``(N, 2)``, places in the picture (right, down); length 1 is the edge.
+            pitch_um: Of the (film's) pixels, µm, > 0.
+            subject_m: Lens to subject, m, or a tensor ``(N,)``; matters only with ``focus_m``.
+
+        Returns:
+            ``(N, C, K, K)``, >= 0, sum 1, dtype of ``field``; N is 1 if all places look the same.
+
+        Raises:
+            InputError: The subject's distance is missing, or the blur is too wide to compute.
+
+        Example:
+            >>> Blur(1.4).kernels(torch.zeros(1, 2), 2.65).shape  # red decides: 15 µm and more
+            torch.Size([1, 3, 13, 13])
+        """
+        shift = self._subject_shift_um(subject_m, field)
+        if not self.varies:
+            field = torch.zeros_like(field[:1])
+        fronts = self._wavefronts(shift)
+        slopes = [front.steepest(field) for front in fronts]
+        size = _pupil_size(max(slopes))
+        radius_px = self._radius_px(slopes, pitch_um)
+        if not max(slopes):
+            perfect = [
+                airy_kernel(self.f_number, nm, pitch_um, radius_px) for nm in self.wavelengths_nm
+            ]
+            return torch.stack(perfect)[None].to(field)
+        kernels = [
+            pupil_kernel(front.waves(field, size), self.f_number, nm, pitch_um, radius_px)
+            for front, nm in zip(fronts, self.wavelengths_nm, strict=True)
+        ]
+        return torch.cat(kernels, dim=1)
+
+    def _wavefronts(self, shift_um: torch.Tensor | float) -> list[Seidel]:
+        fronts = []
+        for nm, axial_um in zip(self.wavelengths_nm, self.axial_colour_um, strict=True):
+            scale = self.wavelengths_nm[len(self.wavelengths_nm) // 2] / nm
+            fronts.append(
+                Seidel(
+                    defocus_waves(shift_um + (self.defocus_um + axial_um), self.f_number, nm),
+                    self.spherical_waves * scale,
+                    self.coma_waves * scale,
+                    self.astigmatism_waves * scale,
+                    self.curvature_waves * scale,
+                )
+            )
+        return fronts
+
+    def _radius_px(self, slopes: list[float], pitch_um: float) -> int:
+        """Return how far kernels reach: the geometric blur and the tail of diffraction."""
+        units = [diffraction_length_um(self.f_number, nm) for nm in self.wavelengths_nm]
+        reach = [(2 * slope + TAIL) * unit for slope, unit in zip(slopes, units, strict=True)]
+        return math.ceil(max(reach) / pitch_um)
+
+    def _subject_shift_um(
+        self, subject_m: torch.Tensor | float | None, field: torch.Tensor
+    ) -> torch.Tensor | float:
+        """Return 0, or ``(N, 1)``: how far behind the film each subject is sharp.
+
+        Raises:
+            InputError: The subject's distance is missing, or shorter than the focal length.
+        """
+        if self.focus_m is None:
+            return 0.0
+        if subject_m is None:
+            raise InputError(f"subject_m: with focus_m={self.focus_m:g}, give its distance too")
+        distance = torch.as_tensor(subject_m, dtype=field.dtype, device=field.device)
+        return torch.as_tensor(focus_shift_um(distance.reshape(-1, 1), self.focus_m, self.focal_mm))
+
+
+def _pupil_size(slope: float) -> int:
+    """Return enough samples for phases to turn by less than half and kernels not to wrap round.
+
+    Raises:
+        InputError: They would be too many.
+    """
+    size = 16 * math.ceil((4 * slope + 48) / 16)
+    if size > MAX_PUPIL:
+        raise InputError(
+            f"a blur of {slope:.3g} waves per pupil radius is too wide to compute: give less "
+            "defocus or aberration"
+        )
+    return size

@@ -1,0 +1,58 @@
+"""How does each colour of a picture spread? Convolution with one kernel per colour, by FFT."""
+
+import torch
+from scipy.fft import next_fast_len
+from torch.nn import functional as F
+
+from lrsr.errors import ImageContractError
+
+CHUNK = 64
+"""Images convolved at a time: their spectra stay within some tens of MB."""
+
+
+def convolve(images: torch.Tensor, kernels: torch.Tensor) -> torch.Tensor:
+    """Let every point of light become a kernel; beyond the border the edge pixel repeats.
+
+    A flat picture stays flat up to the border, since nothing dark comes in from outside.
+
+    Args:
+        images: ``(B, C, H, W)``, linear light, float32 or float64, any H and W >= 1.
+        kernels: ``(N, C, K, K)``, sum 1, K odd; N is 1 (the same for all images) or B.
+
+    Returns:
+        ``(B, C, H, W)``.
+
+    Raises:
+        ImageContractError: The kernels do not fit the images.
+
+    Example:
+        >>> point = torch.zeros(1, 1, 3, 3)
+        >>> point[..., 1, 1] = 1.0
+        >>> shift_right = torch.tensor([[[[0.0, 0, 0], [0, 0, 1], [0, 0, 0]]]])
+        >>> convolve(point, shift_right)[0, 0, 1].argmax().item()
+        2
+    """
+    count, channels, height, width = kernels.shape
+    if count not in (1, len(images)) or channels != images.shape[1]:
+        raise ImageContractError(
+            f"kernels: got {tuple(kernels.shape)} for images {tuple(images.shape)}, wanted one or "
+            "one for each image, of as many channels"
+        )
+    if height != width or height % 2 == 0:
+        raise ImageContractError(f"kernels: got {height}x{width}, wanted a square of odd side")
+    parts = []
+    for start in range(0, len(images), CHUNK):
+        chosen = slice(start, start + CHUNK)
+        parts.append(_convolve(images[chosen], kernels if count == 1 else kernels[chosen]))
+    return torch.cat(parts)
+
+
+def _convolve(images: torch.Tensor, kernels: torch.Tensor) -> torch.Tensor:
+    height, width = images.shape[-2:]
+    reach = kernels.shape[-1] // 2
+    padded = F.pad(images, (reach, reach, reach, reach), mode="replicate")
+    # What wraps round falls into the first 2 * reach rows and columns, which are cut off.
+    size = [next_fast_len(length, real=True) for length in padded.shape[-2:]]
+    spectrum = torch.fft.rfft2(padded, s=size) * torch.fft.rfft2(kernels, s=size)
+    spread = torch.fft.irfft2(spectrum, s=size)
+    return spread[..., 2 * reach : 2 * reach + height, 2 * reach : 2 * reach + width]

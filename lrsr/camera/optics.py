@@ -1,0 +1,307 @@
+"""What does a real lens make of the light before the sensor counts it? All its faults, in order."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import torch
+from torch import nn
+from torch.nn import functional as F
+
+from lrsr.camera.blur import Blur
+from lrsr.camera.contract import check_light, check_setting
+from lrsr.camera.convolution import convolve
+from lrsr.camera.diffraction import check_positive
+from lrsr.camera.distortion import Distortion
+from lrsr.camera.field import Field, mm_to_pixels, pixel_grid, pixels_to_mm, read_field
+from lrsr.camera.resampling import sample_bicubic
+from lrsr.camera.vignetting import mechanical_vignetting, natural_vignetting
+from lrsr.errors import ImageContractError, InputError
+
+VIEWS = ("facing", "planar")
+
+
+def bin_pixels(film: torch.Tensor, supersampling: int) -> torch.Tensor:
+    """Let each pixel of the sensor gather the light of its part of the film: the mean.
+
+    Args:
+        film: ``(B, C, H, W)``, linear light; H and W multiples of ``supersampling``.
+        supersampling: Film pixels along a sensor pixel's side, >= 1; at 1 nothing changes.
+
+    Returns:
+        ``(B, C, H / supersampling, W / supersampling)``.
+
+    Raises:
+        ImageContractError: The film is no whole number of pixels.
+        InputError: ``supersampling`` is not a whole number >= 1.
+
+    Example:
+        >>> bin_pixels(torch.tensor([[[[0.0, 1.0], [2.0, 3.0]]]]), 2).item()
+        1.5
+    """
+    _check_supersampling(supersampling)
+    if any(side % supersampling for side in film.shape[-2:]):
+        raise ImageContractError(
+            f"film: got {film.shape[-2]}x{film.shape[-1]}, wanted multiples of {supersampling}"
+        )
+    return film if supersampling == 1 else F.avg_pool2d(film, supersampling)
+
+
+class Optics(nn.Module):
+    """Distortion, lateral colour, vignetting, then blur: each is off unless it is asked for.
+
+    It works on the film as the renderer delivers it, ``supersampling`` times finer than the sensor
+    (:func:`bin_pixels` follows), of a crop whose place on the sensor is given. Over one crop the
+    blur is the same. Waves are those of the middle wavelength; colours are red, green, blue.
+
+    Args:
+        f_number: Focal length over diameter of the pupil; None: no blur of any kind.
+        focal_mm: Focal length, mm, > 0.
+        pitch_um: Of the sensor's pixels, µm, > 0.
+        wavelengths_nm: Of each colour, nm; the default is the renderer's (sRGB's dominant ones).
+        field_radius_mm: From the axis to the sensor's corner, mm; faults "at the edge" are there.
+        focus_m: Distance that is sharp, m; None: the subject, wherever it is.
+        defocus_um: How far behind the film the focus lies, µm, < 0: before it.
+        axial_colour_um: What each colour adds to that, µm.
+        spherical_waves: W₀₄₀ (:class:`lrsr.camera.aberrations.Seidel`).
+        coma_waves: W₁₃₁ at the edge; > 0: tails point outwards.
+        astigmatism_waves: W₂₂₂ at the edge.
+        curvature_waves: W₂₂₀ at the edge.
+        distortion: (k1, k2) of :class:`lrsr.camera.distortion.Distortion`; > 0: barrel.
+        view: "facing": the film is that of a camera turned towards the middle of the crop, as the
+            renderer makes it; "planar": it was cut from the picture of a straight pinhole camera.
+        lateral_colour_um: How far outwards each colour lies at the edge, µm.
+        natural_vignetting: cos⁴ law, and what distortion gives back.
+        rim_radius_mm: Of a rim before the pupil; None: there is none.
+        rim_distance_mm: From the pupil to that rim.
+
+    Raises:
+        InputError: A number out of its range, or a fault that needs an f-number without one.
+
+    Example:
+        >>> point = torch.zeros(1, 3, 9, 9)
+        >>> point[..., 4, 4] = 1.0
+        >>> Optics(f_number=8)(point, supersampling=1)[0, :, 4, 4].mul(100).round().tolist()
+        [21.0, 25.0, 33.0]
+    """
+
+    def __init__(
+        self,
+        f_number: float | None = None,
+        focal_mm: float = 3.0,
+        pitch_um: float = 2.65,
+        wavelengths_nm: Sequence[float] = (611.4, 549.1, 464.2),
+        field_radius_mm: float = 2.92,
+        focus_m: float | None = None,
+        defocus_um: float = 0.0,
+        axial_colour_um: Sequence[float] = (0.0, 0.0, 0.0),
+        spherical_waves: float = 0.0,
+        coma_waves: float = 0.0,
+        astigmatism_waves: float = 0.0,
+        curvature_waves: float = 0.0,
+        distortion: Sequence[float] = (0.0, 0.0),
+        view: str = "facing",
+        lateral_colour_um: Sequence[float] = (0.0, 0.0, 0.0),
+        natural_vignetting: bool = False,
+        rim_radius_mm: float | None = None,
+        rim_distance_mm: float | None = None,
+    ) -> None:
+        super().__init__()
+        check_positive(pitch_um=pitch_um)
+        check_setting("view", view, view in VIEWS, " or ".join(VIEWS))
+        self.pitch_um, self.field_radius_mm = pitch_um, field_radius_mm
+        k1, k2 = _read_numbers("distortion", distortion, 2)
+        self.distortion = Distortion(k1, k2, focal_mm, field_radius_mm, facing=view == "facing")
+        self.lateral_colour_um = _read_numbers("lateral_colour_um", lateral_colour_um, 3)
+        self.natural_vignetting = natural_vignetting
+        self.rim = _read_rim(rim_radius_mm, rim_distance_mm)
+        faults: dict[str, Any] = {
+            "focus_m": focus_m,
+            "defocus_um": defocus_um,
+            "spherical_waves": spherical_waves,
+            "coma_waves": coma_waves,
+            "astigmatism_waves": astigmatism_waves,
+            "curvature_waves": curvature_waves,
+        }
+        colours = _read_numbers("wavelengths_nm", wavelengths_nm, 3)
+        axial = _read_numbers("axial_colour_um", axial_colour_um, 3)
+        needing = [name for name, value in faults.items() if value]
+        needing += ["axial_colour_um"] * any(axial) + ["rim_radius_mm"] * bool(self.rim)
+        if f_number is None and needing:
+            raise InputError(f"{needing[0]} without f_number: give the lens an f-number")
+        self.blur = None
+        if f_number is not None:
+            self.blur = Blur(f_number, focal_mm, colours, axial_colour_um=axial, **faults)
+
+    def forward(
+        self,
+        linear: torch.Tensor,
+        *,
+        supersampling: int,
+        field_mm: Field = (0.0, 0.0),
+        subject_m: torch.Tensor | float | None = None,
+    ) -> torch.Tensor:
+        """Send the light through the lens.
+
+        Args:
+            linear: ``(B, 3, H, W)``, linear light on the film, >= 0.
+            supersampling: Film pixels along a sensor pixel's side, >= 1.
+            field_mm: Middle of the crop on the sensor, (right, down) from the axis, mm; or a
+                tensor ``(B, 2)``.
+            subject_m: Lens to subject, m, or a tensor ``(B,)``; matters only with ``focus_m``.
+
+        Returns:
+            ``(B, 3, H, W)``, linear light, >= 0, still on the film; ``linear`` itself if all is
+            off.
+
+        Raises:
+            ImageContractError: The light breaks the contract.
+            InputError: The crop lies off the sensor, the subject's distance is missing, or the
+                blur is too wide to compute.
+        """
+        check_light(linear)
+        _check_supersampling(supersampling)
+        field = read_field(field_mm, linear, self.field_radius_mm)
+        pitch_um = self.pitch_um / supersampling
+        film = linear
+        if any(self.lateral_colour_um) or not self.distortion.is_off:
+            film = self._bend(film, field, pitch_um / 1000)
+        if self.natural_vignetting or self.rim:
+            film = film * self._brightness(film, field, pitch_um / 1000)
+        if self.blur is not None:
+            relative = field / self.field_radius_mm
+            film = convolve(film, self.blur.kernels(relative, pitch_um, subject_m))
+        return film if film is linear else film.clamp_min(0)  # a cubic and an FFT may undershoot
+
+    def point_spread(
+        self,
+        *,
+        supersampling: int,
+        field_mm: Field = (0.0, 0.0),
+        subject_m: torch.Tensor | float | None = None,
+    ) -> torch.Tensor:
+        """Return what :meth:`forward` makes of a point, without bending: ``(N, 3, K, K)``, sum 1.
+
+        Args:
+            supersampling: Film pixels along a sensor pixel's side, >= 1.
+            field_mm: See :meth:`forward`.
+            subject_m: See :meth:`forward`.
+
+        Raises:
+            InputError: See :meth:`forward`.
+        """
+        _check_supersampling(supersampling)
+        count = len(field_mm) if isinstance(field_mm, torch.Tensor) and field_mm.ndim == 2 else 1
+        field = read_field(field_mm, torch.zeros(count, 3, 1, 1), self.field_radius_mm)
+        if self.blur is None:
+            return torch.ones(1, 3, 1, 1)
+        pitch_um = self.pitch_um / supersampling
+        return self.blur.kernels(field / self.field_radius_mm, pitch_um, subject_m)
+
+    def distort_points(
+        self,
+        points_px: torch.Tensor,
+        size: tuple[int, int],
+        *,
+        supersampling: int,
+        field_mm: Field = (0.0, 0.0),
+    ) -> torch.Tensor:
+        """Return where points of the scene come to lie in the picture (landmarks, for example).
+
+        Args:
+            points_px: ``(P, 2)``, or ``(B, P, 2)`` with one field for each; (x, y), film pixels.
+            size: (height, width) of the film.
+            supersampling: Film pixels along a sensor pixel's side, >= 1.
+            field_mm: See :meth:`forward`.
+
+        Raises:
+            InputError: The crop lies off the sensor.
+        """
+        field, pitch_mm = self._place(points_px, field_mm, supersampling)
+        scene = pixels_to_mm(points_px, size, pitch_mm, torch.zeros_like(field))
+        return mm_to_pixels(self.distortion.to_sensor(scene, field), size, pitch_mm, field)
+
+    def undistort_points(
+        self,
+        points_px: torch.Tensor,
+        size: tuple[int, int],
+        *,
+        supersampling: int,
+        field_mm: Field = (0.0, 0.0),
+    ) -> torch.Tensor:
+        """Invert :meth:`distort_points`: where on the film lies what the picture shows there?
+
+        Args:
+            points_px: ``(P, 2)``, or ``(B, P, 2)`` with one field for each; (x, y), film pixels.
+            size: (height, width) of the film.
+            supersampling: Film pixels along a sensor pixel's side, >= 1.
+            field_mm: See :meth:`forward`.
+
+        Raises:
+            InputError: The crop lies off the sensor.
+        """
+        field, pitch_mm = self._place(points_px, field_mm, supersampling)
+        sensor = pixels_to_mm(points_px, size, pitch_mm, field)
+        scene = self.distortion.to_film(sensor, field)
+        return mm_to_pixels(scene, size, pitch_mm, torch.zeros_like(field))
+
+    def _place(
+        self, points: torch.Tensor, field_mm: Field, supersampling: int
+    ) -> tuple[torch.Tensor, float]:
+        _check_supersampling(supersampling)
+        field = read_field(field_mm, points, self.field_radius_mm)
+        return field[0] if len(field) == 1 else field[:, None], self.pitch_um / supersampling / 1000
+
+    def _bend(self, film: torch.Tensor, field: torch.Tensor, pitch_mm: float) -> torch.Tensor:
+        size, centre = (film.shape[-2], film.shape[-1]), field[:, None, None, None]
+        sensor = pixels_to_mm(pixel_grid(size, film), size, pitch_mm, centre)
+        if any(self.lateral_colour_um):
+            outwards = torch.tensor(self.lateral_colour_um).to(film) / 1000 / self.field_radius_mm
+            sensor = sensor / (1 + outwards[:, None, None, None])
+        scene = self.distortion.to_film(sensor, centre)
+        return sample_bicubic(film, mm_to_pixels(scene, size, pitch_mm, torch.zeros_like(centre)))
+
+    def _brightness(self, film: torch.Tensor, field: torch.Tensor, pitch_mm: float) -> torch.Tensor:
+        """Return ``(N, 1, H, W)``, 1 on the axis."""
+        size = (film.shape[-2], film.shape[-1])
+        sensor = pixels_to_mm(pixel_grid(size, film), size, pitch_mm, field[:, None, None])
+        share = torch.ones_like(sensor[..., :1])
+        if self.natural_vignetting:
+            share = share * natural_vignetting(sensor, self.distortion)
+        if self.rim and self.blur is not None:
+            share = share * mechanical_vignetting(
+                sensor,
+                self.distortion,
+                pupil_radius_mm=self.blur.focal_mm / (2 * self.blur.f_number),
+                rim_radius_mm=self.rim[0],
+                rim_distance_mm=self.rim[1],
+            )
+        return share.permute(0, 3, 1, 2)
+
+
+def _read_numbers(name: str, numbers: Sequence[float], count: int) -> tuple[float, ...]:
+    values = tuple(float(number) for number in numbers)
+    finite = all(math.isfinite(value) for value in values)
+    check_setting(name, list(values), len(values) == count and finite, f"{count} finite numbers")
+    return values
+
+
+def _read_rim(radius_mm: float | None, distance_mm: float | None) -> tuple[float, float] | None:
+    """Return both, or None.
+
+    Raises:
+        InputError: Only one is given, or one is not positive.
+    """
+    if not radius_mm and not distance_mm:
+        return None
+    if not radius_mm or not distance_mm:
+        raise InputError(
+            f"rim_radius_mm={radius_mm}, rim_distance_mm={distance_mm}: give both or neither"
+        )
+    check_positive(rim_radius_mm=radius_mm, rim_distance_mm=distance_mm)
+    return radius_mm, distance_mm
+
+
+def _check_supersampling(supersampling: int) -> None:
+    whole = supersampling == int(supersampling) and supersampling >= 1
+    check_setting("supersampling", supersampling, whole, "a whole number >= 1")
