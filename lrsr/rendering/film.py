@@ -74,10 +74,13 @@ def expose(
     sensor = make_sensor(viewpoint, pose, side, per_pass, lens, focus_mm)
     if "scalar" in mi.variant():
         return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=seed))
-    total = np.zeros((side * side, 3), dtype=np.float64)
+    total, count = np.zeros((2, side * side, 3), dtype=np.float64)
     for number in range(passes):
-        total += _trace(scene, integrator, sensor, side, per_pass, pass_seed(seed, number))
-    return (total / (passes * per_pass)).astype(np.float32).reshape(side, side, 3)
+        light, rays = _trace(scene, integrator, sensor, side, per_pass, pass_seed(seed, number))
+        total += light
+        count += rays
+    mean = np.divide(total, count, out=np.zeros_like(total), where=count > 0)
+    return mean.astype(np.float32).reshape(side, side, 3)
 
 
 def grid_samples(samples: int) -> int:
@@ -148,8 +151,11 @@ def describe_film(side: int) -> dict[str, Any]:
 
 def _trace(
     scene: Any, integrator: Any, sensor: Any, side: int, samples: int, seed: int
-) -> NDArray[np.float64]:
-    """Return the sum of ``samples`` rays in each pixel, ``(side², 3)``."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | float]:
+    """Return the light of ``samples`` rays in each pixel, and as how many rays they count.
+
+    Both are sums, ``(side², 3)``.
+    """
     import drjit as dr
 
     mi = start()
@@ -166,24 +172,43 @@ def _trace(
     uniform = sampler.next_2d()
     offset = FILTER_STDDEV_PX * math.sqrt(2) * dr.erfinv((2 * uniform - 1) * cut)
     position = (corner + 0.5 + offset) / mi.Float(width)
-    if sensor.needs_aperture_sample() or mi.is_spectral:
-        light = _through_lens(scene, integrator, sensor, sampler, position)
-    else:
-        ray, _ = sensor.sample_ray_differential(0.0, 0.5, position, mi.Point2f(0.5))
-        light, _, _ = integrator.sample(scene, sampler, ray)
-    dr.eval(light)  # once, not once per channel
-    sums = [dr.block_sum(channel, samples, mode="evaluated") for channel in light]
-    return np.stack([channel.numpy() for channel in sums], axis=1).astype(np.float64)
+    light, counts = _follow(scene, integrator, sensor, sampler, position)
+    dr.eval(light, counts)  # once, not once per channel
+    sums = _sum(light, samples)
+    return sums, float(samples) if counts is None else _sum(counts, samples)
 
 
-def _through_lens(scene: Any, integrator: Any, sensor: Any, sampler: Any, position: Any) -> Any:
-    """Return the light of one ray for each position, linear sRGB; nothing where a rim stops it."""
+def _follow(
+    scene: Any, integrator: Any, sensor: Any, sampler: Any, position: Any
+) -> tuple[Any, Any]:
+    """Return the light of one ray for each position, linear sRGB, and as how many it counts.
+
+    None: all count as one. Rays that a lens stops bring no light.
+    """
     import drjit as dr
 
     mi = start()
-    colour, aperture = sampler.next_1d(), sampler.next_2d()
-    ray, weight = sensor.sample_ray_differential(0.0, colour, position, aperture)
-    alive = dr.any(weight != 0)
-    light, _, _ = integrator.sample(scene, sampler, ray, active=alive)
-    light = dr.select(alive, weight * light, 0.0)
-    return mi.spectrum_to_srgb(light, ray.wavelengths) if mi.is_spectral else light
+    if not hasattr(sensor, "sample_balanced"):  # a pinhole
+        colour = sampler.next_1d() if mi.is_spectral else 0.5
+        ray, weight = sensor.sample_ray_differential(0.0, colour, position, mi.Point2f(0.5))
+        light, _, _ = integrator.sample(scene, sampler, ray)
+        counts = None
+    else:
+        colour, aperture = sampler.next_1d(), sampler.next_2d()
+        ray, weight, counts = sensor.sample_balanced(colour, position, aperture)
+        alive = dr.any(weight != 0)
+        ray = mi.RayDifferential3f(ray)
+        light, _, _ = integrator.sample(scene, sampler, ray, active=alive)
+        light = dr.select(alive, weight * light, 0.0)
+    if mi.is_spectral:
+        light = weight * light if counts is None else light
+        light = mi.spectrum_to_srgb(light, ray.wavelengths)
+    return light, counts
+
+
+def _sum(values: Any, samples: int) -> NDArray[np.float64]:
+    """Add up the values of each pixel, ``(side², 3)``."""
+    import drjit as dr
+
+    sums = [dr.block_sum(channel, samples, mode="evaluated") for channel in values]
+    return np.stack([channel.numpy() for channel in sums], axis=1).astype(np.float64)

@@ -106,7 +106,21 @@ def _sensor_class() -> Any:
             """Return a ray into the scene and its weight, per channel or wavelength."""
             if self._numbers is None:
                 return _scalar_ray(self, time, wavelength, position, aperture)
-            return _wavefront_ray(self, time, wavelength, position, aperture, active)
+            ray, colour, fall = _wavefront_ray(self, time, wavelength, position, aperture, active)
+            return ray, colour * fall
+
+        def sample_balanced(
+            self, wavelength: Any, position: Any, aperture: Any
+        ) -> tuple[Any, Any, Any]:
+            """Return a ray, its weight, and a number per channel that is 1 on average.
+
+            Rims let rays of a pixel through by chance. A pixel's sum of light over its sum of these
+            numbers is free of that chance, and its expectation is the same but for 1 / samples.
+            """
+            ray, colour, fall = _wavefront_ray(self, 0.0, wavelength, position, aperture, True)
+            share = fall * _reciprocal_fall_off(self, position)
+            balance = mi.Color3f(share) if mi.is_spectral else colour * share
+            return ray, colour * fall, balance
 
         def sample_ray_differential(
             self, time: Any, wavelength: Any, position: Any, aperture: Any, active: Any = True
@@ -138,6 +152,9 @@ def _opaque(sensor: Any) -> dict[str, Any]:
     return {
         **{name: dr.opaque(mi.Float, value) for name, value in scalars.items()},
         "table": mi.Float(rows.ravel()),
+        "fall_off": mi.Float(list(mounted.fall_off)),
+        "steps_per_mm": dr.opaque(mi.Float, (len(mounted.fall_off) - 1) / mounted.film_mm),
+        "last_step": dr.opaque(mi.Float, len(mounted.fall_off) - 1.001),
         "shift": [dr.opaque(mi.Float, value) for value in mounted.pupil_shift],
         "count": dr.opaque(mi.UInt32, len(rows)),
         "matrix": [[dr.opaque(mi.Float, float(x)) for x in row] for row in sensor._matrix[:3]],
@@ -146,7 +163,8 @@ def _opaque(sensor: Any) -> dict[str, Any]:
 
 def _wavefront_ray(
     sensor: Any, time: Any, wavelength: Any, position: Any, aperture: Any, active: Any
-) -> tuple[Any, Any]:
+) -> tuple[Any, Any, Any]:
+    """Return a ray, the weight of its colours, and that of its place; 0 if it does not pass."""
     import drjit as dr
 
     mi = start()
@@ -162,12 +180,12 @@ def _wavefront_ray(
     aim = mi.Vector3f(disc.x + shift * film.x, disc.y + shift * film.y, number["pupil"]) - film
     cosine = number["pupil"] * dr.rcp(dr.norm(aim))
     aim *= dr.rcp(dr.norm(aim)) * dr.sign(number["pupil"])
-    wavelengths, traced_um, weight = _colours(sensor, wavelength, number)
+    wavelengths, traced_um, colour = _colours(sensor, wavelength, number)
     point, way, through = _refract(
         number["table"], number["count"], film, aim, traced_um, mi.Bool(active)
     )
     fall = dr.square(radius * dr.square(cosine) / number["pupil"]) / number["brightness"]
-    weight = weight * dr.select(number["falls_off"] > 0, fall, 1.0)
+    fall = dr.select(number["falls_off"] > 0, fall, 1.0)
     # z runs from the film to the scene here, and the other way in the frame of the entrance pupil.
     origin = [point.x, point.y, number["entrance"] - point.z]
     bent = [way.x, way.y, -way.z]
@@ -180,7 +198,22 @@ def _wavefront_ray(
         time,
         wavelengths,
     )
-    return ray, dr.select(through, weight, 0.0)
+    return ray, colour, dr.select(through, fall, 0.0)
+
+
+def _reciprocal_fall_off(sensor: Any, position: Any) -> Any:
+    """Return 1 / mean weight of the rays of a film position; 0 where no light arrives."""
+    import drjit as dr
+
+    mi = start()
+    number = sensor._numbers
+    radius = dr.abs(number["width"]) * dr.norm(position - 0.5)
+    step = dr.minimum(radius * number["steps_per_mm"], number["last_step"])
+    below = mi.UInt32(step)
+    low = dr.gather(mi.Float, number["fall_off"], below)
+    high = dr.gather(mi.Float, number["fall_off"], below + 1)
+    expected = dr.lerp(low, high, step - mi.Float(below))
+    return dr.select(expected > 1e-6, dr.rcp(expected), 0.0)
 
 
 def _colours(sensor: Any, sample: Any, number: dict[str, Any]) -> tuple[Any, Any, Any]:
@@ -255,10 +288,7 @@ def _scalar_ray(
         weight, traced_nm = 3.0 * np.eye(3)[channel], CHANNELS_NM[channel]
     point, way, through = mounted.rays_from_film(film, aim, traced_nm)
     if mounted.falls_off:
-        far = float(((aim - film) ** 2).sum())
-        square = mounted.pupil_mm**2
-        cosine4 = (square / (square + far)) ** 2
-        weight = weight * radius**2 * cosine4 / (square * mounted.brightness)
+        weight = weight * mounted.weight(film, aim, np.array([radius]))
     origin = point[0] * (1, 1, -1) + (0, 0, mounted.entrance_mm)
     rows = sensor._matrix[:3]
     ray = mi.Ray3f(

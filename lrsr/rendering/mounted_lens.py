@@ -38,6 +38,9 @@ class MountedLens:
         pupil_radius_mm: Of a disc about that through which all light that passes the lens goes to
             the middle of the film.
         pupil_growth_per_mm: The disc for a point is r² times this larger, mm.
+        fall_off: Mean weight of rays aimed at that disc, at evenly spaced distances from the axis
+            to ``film_mm``: 1 in the middle.
+        film_mm: Farthest point of the film from the axis.
         brightness: π times this is what a film's middle receives of a field of radiance 1.
         falls_off: Do pixels darken off the axis, as cos⁴ and rims make them?
     """
@@ -52,6 +55,8 @@ class MountedLens:
     pupil_growth_per_mm: float
     brightness: float
     falls_off: bool
+    fall_off: tuple[float, ...] = (1.0, 1.0)
+    film_mm: float = 1.0
 
     def from_film(self) -> tuple[tuple[Surface, ...], NDArray[np.float64]]:
         """Return the surfaces as light from the film would meet them, and their distance to it."""
@@ -69,6 +74,16 @@ class MountedLens:
         """Return the radius of the disc that holds all light to film points ``(N, 2)``, mm."""
         square = (np.asarray(film_mm, np.float64) ** 2).sum(axis=1)
         return np.asarray(self.pupil_radius_mm + self.pupil_growth_per_mm * square)
+
+    def weight(
+        self,
+        film_mm: NDArray[np.float64],
+        pupil_mm: NDArray[np.float64],
+        reach_mm: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Return the weights ``(N,)`` of rays that pass, aimed evenly at discs of those radii."""
+        square = ((pupil_mm - film_mm) ** 2).sum(axis=1) + self.pupil_mm**2
+        return np.asarray((reach_mm * self.pupil_mm / square) ** 2 / self.brightness)
 
     def rays_from_film(
         self,
@@ -170,10 +185,26 @@ def _with_pupil(mounted: MountedLens, film_mm: float) -> MountedLens:
     heights, film = film[:, 0], film.repeat(17, axis=0)
     aims, seen = _aim_at_stop(mounted, film, rim)
     reach = np.where(seen, np.hypot(*(aims - mounted.pupil_middle_mm(film)).T), 0.0)
-    radius = 1.003 * edge
+    radius = 1.003 * edge  # a little more than light needs
     larger = reach.reshape(17, 17).max(axis=1) * 1.001 - radius
     growth = (larger[1:] / heights[1:] ** 2).max(initial=0.0)
-    return replace(mounted, pupil_radius_mm=radius, pupil_growth_per_mm=float(growth))
+    mounted = replace(mounted, pupil_radius_mm=radius, pupil_growth_per_mm=float(growth))
+    return replace(mounted, fall_off=_fall_off(mounted, film_mm), film_mm=film_mm)
+
+
+def _fall_off(mounted: MountedLens, film_mm: float) -> tuple[float, ...]:
+    """Return the mean weight of rays at 33 distances from the axis, by points of a sunflower."""
+    number = np.arange(4000)
+    radius, angle = np.sqrt((number + 0.5) / 4000), np.pi * (3 - math.sqrt(5)) * number
+    disc = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    means = []
+    for height in np.linspace(0, film_mm, 33):
+        film = np.tile([height, 0.0], (4000, 1))
+        reach = mounted.pupil_reach_mm(film)[:, None]
+        aims = disc * reach + mounted.pupil_middle_mm(film)
+        _, _, through = mounted.rays_from_film(film, aims)
+        means.append(float((through * mounted.weight(film, aims, reach[:, 0])).mean()))
+    return tuple(means)
 
 
 def _aim_at_stop(

@@ -232,4 +232,7 @@ def trace(
         if surface.power_per_mm:
             ray[:, :2] -= surface.power_per_mm * ray[:, 2:] * point[:, :2]
             ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+        # What is lost goes along the axis from here on, so that all numbers stay finite.
+        point = np.where(through[:, None], point, (0.0, 0.0, vertex))
+        ray = np.where(through[:, None], ray, (0.0, 0.0, 1.0))
     return point, ray, through
