@@ -50,7 +50,6 @@ class Skin:
         for key in ("absorption_per_mm", "scattering_per_mm"):
             object.__setattr__(self, key, tuple(float(x) for x in getattr(self, key)))
         absorbs, scatters = self.absorption_per_mm, self.scattering_per_mm
-        three = len(absorbs) == len(scatters) == 3
         wanted = {
             "model": (
                 self.model in get_args(SkinModel),
@@ -58,11 +57,11 @@ class Skin:
             ),
             "fixed": (self.fixed in get_args(Fixed), f"one of {', '.join(get_args(Fixed))}"),
             "absorption_per_mm": (
-                three and all(0 <= x < math.inf for x in absorbs),
+                len(absorbs) == 3 and all(0 <= x < math.inf for x in absorbs),
                 "three numbers >= 0",
             ),
             "scattering_per_mm": (
-                three and all(0 < x < math.inf for x in scatters),
+                len(scatters) == 3 and all(0 < x < math.inf for x in scatters),
                 "three numbers > 0",
             ),
             "refractive_index": (1 < self.refractive_index <= 2, "a number > 1 and <= 2"),
