@@ -256,7 +256,7 @@ class Optics(nn.Module):
         size, centre = (film.shape[-2], film.shape[-1]), field[:, None, None, None]
         sensor = pixels_to_mm(pixel_grid(size, film), size, pitch_mm, centre)
         if any(self.lateral_colour_um):
-            outwards = torch.tensor(self.lateral_colour_um).to(film) / 1000 / self.field_radius_mm
+            outwards = film.new_tensor(self.lateral_colour_um) / 1000 / self.field_radius_mm
             sensor = sensor / (1 + outwards[:, None, None, None])
         scene = self.distortion.to_film(sensor, centre)
         return sample_bicubic(film, mm_to_pixels(scene, size, pitch_mm, torch.zeros_like(centre)))
