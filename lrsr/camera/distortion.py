@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import torch
 
+from lrsr.camera.contract import check_setting
 from lrsr.camera.diffraction import check_positive
 from lrsr.camera.field import turn
 from lrsr.errors import InputError
@@ -151,7 +152,7 @@ def fit_distortion(
         focal_mm: Focal length, mm.
 
     Raises:
-        InputError: Not one or two pairs, or a number that is not positive.
+        InputError: Not one or two pairs, a number that is not positive, or 90° and more.
 
     Example:
         The reference camera: 95° x 51° on 1920 x 1080 pixels of 2.65 µm behind 3 mm.
@@ -167,6 +168,7 @@ def fit_distortion(
     check_positive(focal_mm=focal_mm)
     for size, angle in zip(half_sizes_mm, half_angles_deg, strict=True):
         check_positive(half_size_mm=size, half_angle_deg=angle)
+        check_setting("half_angle_deg", angle, angle < 90, "less than 90: a flat picture's edge")
     radii = [size / focal_mm for size in half_sizes_mm]
     excess = [
         math.tan(math.radians(angle)) / radius - 1
