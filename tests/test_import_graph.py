@@ -26,6 +26,7 @@ HOMES = {
     "mitsuba": {"rendering"},
     "drjit": {"rendering"},
     "kornia": {"camera"},
+    "av": {"camera"},
     "onnxruntime": {"recognition", "sr"},
     "lightning": {"data", "sr", "recognition"},
     "anny": {"identities"},
