@@ -54,5 +54,5 @@ def _convolve(images: torch.Tensor, kernels: torch.Tensor) -> torch.Tensor:
     # What wraps round falls into the first 2 * reach rows and columns, which are cut off.
     size = [next_fast_len(length, real=True) for length in padded.shape[-2:]]
     spectrum = torch.fft.rfft2(padded, s=size) * torch.fft.rfft2(kernels, s=size)
-    spread = torch.fft.irfft2(spectrum, s=size)
+    spread: torch.Tensor = torch.fft.irfft2(spectrum, s=size)
     return spread[..., 2 * reach : 2 * reach + height, 2 * reach : 2 * reach + width]

@@ -61,9 +61,8 @@ def pupil_kernel(
     pitch = pitch_um / diffraction_length_um(f_number, wavelength_nm)
     weights = _pixel_weights(size, pitch, radius_px).to(waves)
     few = max(1, CHUNK_SAMPLES // size**2)
-    parts = [
-        weights @ _intensity(part) @ weights.T for part in waves.reshape(-1, size, size).split(few)
-    ]
+    fronts = torch.split(waves.reshape(-1, size, size), few)
+    parts = [weights @ _intensity(front) @ weights.T for front in fronts]
     side = len(weights)
     kernel = torch.cat(parts).clamp_min(0).reshape(*waves.shape[:-2], side, side)
     return kernel / kernel.sum((-2, -1), keepdim=True)
@@ -74,7 +73,8 @@ def _intensity(waves: torch.Tensor) -> torch.Tensor:
     size = waves.shape[-1]
     pupil = torch.polar(pupil_transmission(size).to(waves).expand_as(waves), 2 * math.pi * waves)
     light = torch.fft.fft2(pupil, s=(2 * size, 2 * size))
-    return torch.fft.fftshift(light.real**2 + light.imag**2, dim=(-2, -1))
+    intensity: torch.Tensor = torch.fft.fftshift(light.real**2 + light.imag**2, dim=(-2, -1))
+    return intensity
 
 
 def _pixel_weights(size: int, pitch: float, radius_px: int) -> torch.Tensor:

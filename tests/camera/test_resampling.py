@@ -44,6 +44,16 @@ def test_every_image_and_channel_has_its_places() -> None:
     assert sample_bicubic(images, places).flatten().tolist() == [2.0, 3.0, 4.0, 3.5, 4.5, 5.5]
 
 
+@pytest.mark.parametrize("channels", [1, 3])
+def test_places_alike_or_given_to_each_show_the_same(channels: int) -> None:
+    images = torch.rand(70, 3, 4, 5, generator=RANDOM)
+    places = torch.rand(1, channels, 3, 2, 2, generator=RANDOM) * 6 - 1
+    alike = sample_bicubic(images, places)
+    each = sample_bicubic(images, places.expand(70, -1, -1, -1, -1))
+    assert alike.shape == (70, 3, 3, 2)
+    assert torch.allclose(alike, each, atol=1e-6)
+
+
 def test_one_pixel_is_seen_everywhere() -> None:
     places = torch.tensor([[-3.3, 0.2], [8.0, 1.7]]).reshape(1, 1, 1, 2, 2)
     assert sample_bicubic(
@@ -56,7 +66,8 @@ def test_weights_sum_to_one() -> None:
     assert torch.allclose(weights.sum(0), torch.ones(11))
 
 
-def test_gradients_reach_picture_and_places() -> None:
+@pytest.mark.parametrize("count", [1, 2], ids=["alike", "each"])
+def test_gradients_reach_picture_and_places(count: int) -> None:
     images = torch.rand(2, 2, 4, 4, generator=RANDOM, dtype=torch.float64, requires_grad=True)
-    places = torch.rand(1, 1, 2, 3, 2, generator=RANDOM, dtype=torch.float64) * 4 - 0.5
+    places = torch.rand(count, 1, 2, 3, 2, generator=RANDOM, dtype=torch.float64) * 4 - 0.5
     assert torch.autograd.gradcheck(sample_bicubic, (images, places.requires_grad_()))
