@@ -1,4 +1,4 @@
-"""How fast is the lens? 1000 probes of 32x32 through all of it, the crop's place alike or its own."""
+"""How fast is the lens? 1000 probes of 32x32 through all of it, in one place or each in its own."""
 
 import pytest
 import torch
