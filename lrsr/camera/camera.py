@@ -1,32 +1,60 @@
 """What file does the camera make of the light on its film? One chain of steps, as a module."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import torch
 from torch import nn
 
+from lrsr.camera.codec import Jpeg, jpeg, jpeg_differentiable
 from lrsr.camera.codec import compression as preset
-from lrsr.camera.codec import jpeg, jpeg_differentiable
-from lrsr.camera.encoding import encode
+from lrsr.camera.colour import Colour
+from lrsr.camera.contract import check_origin, check_setting
+from lrsr.camera.encoding import encode, quantise
 from lrsr.camera.exposure import expose
+from lrsr.camera.mosaic import Mosaic
+from lrsr.camera.optics import Optics, bin_pixels
+from lrsr.camera.processing import Processing
+from lrsr.camera.sensor import Sensor
 from lrsr.errors import InputError
 
+if TYPE_CHECKING:
+    from lrsr.camera.video import Video  # PyAV, for those who record
+
 CODECS = ("true", "differentiable")
+SUPERSAMPLINGS = (1, 2, 4)
 
 
 class Camera(nn.Module):
-    """Exposure, sRGB curve, 8 bits, JPEG: from linear light to the pixels of a stored file.
+    """Exposure, optics, colour filters, sensor, processing, codec: from linear light to a file.
 
-    The exposure is that of an incident-light meter (:mod:`lrsr.camera.exposure`): it depends on
-    the lighting alone. Nothing in the chain is random and no image sees another one of its batch.
+    Each stage is off where it is None; without any this is the reference camera: exposure, sRGB
+    curve, 8 bits, JPEG. The exposure is that of an incident-light meter
+    (:mod:`lrsr.camera.exposure`): it depends on the lighting alone. No image sees another one of
+    its batch, and what is random follows from a seed for each image.
 
     Args:
-        compression: "none", "small" or "heavy" (:data:`lrsr.camera.codec.COMPRESSIONS`). The
-            result has 8 bits with "none" too.
+        compression: "none", "small" or "heavy" (:data:`lrsr.camera.codec.COMPRESSIONS`): what
+            becomes of the crop after the camera has stored it. The result has 8 bits with "none"
+            too.
         exposure_ev: Stops over (+) or under (-) the meter's reading.
-        codec: "true": OpenCV's JPEG, for evaluation; "differentiable": gradients reach the light.
+        codec: "true": the real codecs, for evaluation; "differentiable": gradients reach the light.
         name: Of the preset; goes into manifests and reports.
+        optics: The lens's faults, on the film.
+        supersampling: Film pixels along a side of the sensor's: 1, 2 or 4. The film comes that
+            much finer than the picture.
+        colour: Responses of the filters, white balance, colour matrix.
+        mosaic: Filters and interpolation; None: three chips.
+        sensor: Electrons, noise, converter.
+        processing: Denoising, sharpening, tone; None: the sRGB curve alone.
+        stored: The camera's own file: :class:`lrsr.camera.codec.Jpeg` or
+            :class:`lrsr.camera.video.Video`.
+        origin_px: ``(x, y)`` of the crop's first pixel in the camera's frame: where the mosaic, the
+            sensor's pattern and the blocks of ``stored`` fall.
+        field_mm: ``(right, down)`` of the crop's middle from the optical axis, mm, for ``optics``.
 
     Raises:
-        InputError: Unknown compression or codec.
+        InputError: Unknown compression or codec, or a number is out of its range.
 
     Example:
         >>> white_sphere = torch.ones(1, 3, 8, 8)
@@ -40,35 +68,130 @@ class Camera(nn.Module):
         exposure_ev: float = 0.0,
         codec: str = "true",
         name: str = "reference",
+        *,
+        optics: Optics | None = None,
+        supersampling: int = 1,
+        colour: Colour | None = None,
+        mosaic: Mosaic | None = None,
+        sensor: Sensor | None = None,
+        processing: Processing | None = None,
+        stored: "Jpeg | Video | None" = None,
+        origin_px: tuple[int, int] = (0, 0),
+        field_mm: tuple[float, float] = (0.0, 0.0),
     ) -> None:
         super().__init__()
         if codec not in CODECS:
             raise InputError(f"codec {codec!r}: choose one of {', '.join(CODECS)}")
+        finer = supersampling in SUPERSAMPLINGS
+        check_setting("supersampling", supersampling, finer, f"one of {SUPERSAMPLINGS}")
         self.quality = preset(compression).quality
         self.compression = compression
         self.exposure_ev = float(exposure_ev)
         self.codec = codec
         self.name = name
+        self.optics, self.supersampling = optics, int(supersampling)
+        self.colour, self.mosaic, self.sensor = colour, mosaic, sensor
+        self.processing, self.stored = processing, stored
+        self.origin_px = check_origin(origin_px)
+        self.field_mm = float(field_mm[0]), float(field_mm[1])
 
-    def forward(self, linear: torch.Tensor, metered: torch.Tensor) -> torch.Tensor:
+    @property
+    def noisy(self) -> bool:
+        """Does a picture depend on a seed?"""
+        return self.sensor is not None and self.sensor.noise
+
+    @property
+    def flawless(self) -> bool:
+        """Is this the reference camera, whatever its exposure, compression and name?"""
+        return self.supersampling == 1 and not any(self._stages().values())
+
+    def forward(
+        self, linear: torch.Tensor, metered: torch.Tensor, seeds: Sequence[int] | None = None
+    ) -> torch.Tensor:
         """Take the picture.
 
         Args:
-            linear: ``(B, 3, H, W)`` float32, scene-referred linear light, any H and W >= 1.
+            linear: ``(B, 3, S H, S W)`` float32, scene-referred linear light on a film S =
+                ``supersampling`` times finer, any H and W >= 1 (3 under a mosaic).
             metered: ``(B,)``, reading of the incident-light meter, > 0.
+            seeds: One for each image, of its noise; only a noisy camera needs them.
 
         Returns:
             srgb ``(B, 3, H, W)`` float32, [0, 1], multiples of 1/255.
 
         Raises:
             ImageContractError: The images break the contract, or ``metered`` does not fit them.
+            InputError: A noisy camera got no seeds.
             NonFiniteError: A NaN or an infinity in the images.
         """
-        trained_through = self.codec == "differentiable"
-        srgb = encode(expose(linear, metered, self.exposure_ev), differentiable=trained_through)
+        if self.noisy and seeds is None:
+            raise InputError(f"camera {self.name!r} is noisy: give seeds, one for each image")
+        light = self.gather(expose(linear, metered, self.exposure_ev))
+        count = 1 if self.stored is None else self.stored.frames
+        frames = [self.develop(light, seeds, frame) for frame in range(count)]
+        srgb = frames[-1]
+        if self.stored is not None:
+            stack, soft = torch.stack(frames), self._trained_through
+            srgb = self.stored(stack, origin_px=self.origin_px, differentiable=soft)
         if self.quality is None:
             return srgb
-        return (jpeg_differentiable if trained_through else jpeg)(srgb, self.quality)
+        return (jpeg_differentiable if self._trained_through else jpeg)(srgb, self.quality)
+
+    def gather(self, light: torch.Tensor) -> torch.Tensor:
+        """Send exposed light ``(B, 3, S H, S W)`` through the lens into pixels ``(B, 3, H, W)``.
+
+        Raises:
+            ImageContractError: The film is no whole number of pixels.
+        """
+        if self.optics is not None:
+            light = self.optics(light, supersampling=self.supersampling, field_mm=self.field_mm)
+        return bin_pixels(light, self.supersampling)
+
+    def develop(
+        self, light: torch.Tensor, seeds: Sequence[int] | None = None, frame: int = 0
+    ) -> torch.Tensor:
+        """Count the light of pixels ``(B, 3, H, W)`` and make a picture of 8 bits of it.
+
+        Args:
+            light: Linear, 1 = white.
+            seeds: One for each image.
+            frame: Number of the exposure; each has noise of its own.
+
+        Returns:
+            srgb ``(B, 3, H, W)``, multiples of 1/255.
+
+        Raises:
+            InputError: Noise without a seed for each image.
+        """
+        soft = self._trained_through
+        raw = light if self.colour is None else self.colour.filter(light)
+        if self.mosaic is not None:
+            raw = self.mosaic.filter(raw, self.origin_px)
+        if self.sensor is not None:
+            where: dict[str, Any] = {"frame": frame, "origin_px": self.origin_px}
+            raw = self.sensor.light(self.sensor(raw, seeds, differentiable=soft, **where))
+        if self.mosaic is not None:
+            raw = self.mosaic(raw, self.origin_px)
+        if self.colour is not None:
+            raw = self.colour(raw)
+        if self.processing is None:
+            return encode(raw, differentiable=soft)
+        return quantise(self.processing(raw), differentiable=soft)
+
+    def place_points(self, points_px: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
+        """Return where points of the film come to lie in the picture.
+
+        Args:
+            points_px: ``(P, 2)`` (x, y), pixels of the film.
+            size: (height, width) of the film.
+        """
+        if self.optics is not None:
+            points_px = self.optics.distort_points(
+                points_px, size, supersampling=self.supersampling, field_mm=self.field_mm
+            )
+        if self.supersampling == 1:
+            return points_px
+        return (points_px + 0.5) / self.supersampling - 0.5
 
     def compressing(self, compression: str) -> "Camera":
         """Return the same camera with another compression.
@@ -76,7 +199,32 @@ class Camera(nn.Module):
         Raises:
             InputError: Unknown compression.
         """
-        return Camera(compression, self.exposure_ev, self.codec, self.name)
+        settings: dict[str, Any] = {
+            "exposure_ev": self.exposure_ev,
+            "codec": self.codec,
+            "name": self.name,
+            "supersampling": self.supersampling,
+            "origin_px": self.origin_px,
+            "field_mm": self.field_mm,
+        }
+        return Camera(compression, **settings, **self._stages())
+
+    def clean(self) -> "Camera":
+        """Return a reference camera of the same exposure that does not compress.
+
+        It takes enrolled pictures, and what a restored picture is measured against. The reference
+        camera keeps its name; one with flaws gives it up.
+        """
+        name = self.name if self.flawless else "reference"
+        return Camera("none", self.exposure_ev, self.codec, name)
+
+    @property
+    def _trained_through(self) -> bool:
+        return self.codec == "differentiable"
+
+    def _stages(self) -> dict[str, Any]:
+        names = ("optics", "colour", "mosaic", "sensor", "processing", "stored")
+        return {name: getattr(self, name) for name in names}
 
     def extra_repr(self) -> str:
         """Show the settings when the module is printed."""

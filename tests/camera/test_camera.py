@@ -10,8 +10,14 @@ from omegaconf import OmegaConf
 
 import lrsr.camera
 from lrsr.camera import Camera
-from lrsr.camera.codec import COMPRESSIONS
-from lrsr.camera.exposure import KEY
+from lrsr.camera.codec import COMPRESSIONS, Jpeg, jpeg
+from lrsr.camera.colour import Colour
+from lrsr.camera.exposure import KEY, expose
+from lrsr.camera.mosaic import Mosaic
+from lrsr.camera.optics import Optics, bin_pixels
+from lrsr.camera.processing import Processing
+from lrsr.camera.sensor import Sensor
+from lrsr.camera.video import Video
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.images import linear_to_srgb
 from lrsr.paths import config_folder
@@ -85,10 +91,8 @@ def test_a_camera_says_how_it_is_set() -> None:
 
 
 def test_the_preset_builds_the_camera_it_names() -> None:
-    for file in (config_folder() / "camera").glob("*.yaml"):
-        camera = instantiate(OmegaConf.load(file))
-        assert isinstance(camera, Camera)
-        assert camera.name == file.stem
+    for name in PRESETS:
+        assert preset(name).name == name
 
 
 def test_unknown_settings_are_refused_with_the_choice() -> None:
@@ -116,3 +120,182 @@ def test_the_package_loads_kornia_only_with_the_camera() -> None:
 def test_the_package_has_no_other_names() -> None:
     with pytest.raises(AttributeError, match="no attribute 'Lens'"):
         lrsr.camera.Lens  # noqa: B018 - asking is the test
+
+
+PRESETS = sorted(path.stem for path in (config_folder() / "camera").glob("*.yaml"))
+
+
+def full(codec: str = "true", compression: str = "none", **changes: object) -> Camera:
+    stages: dict[str, object] = {
+        "optics": Optics(f_number=1.4),
+        "supersampling": 2,
+        "colour": Colour(((0.5, 0.1, 0.0), (0.1, 0.8, 0.1), (0.0, 0.1, 0.6))),
+        "mosaic": Mosaic(),
+        "sensor": Sensor(2000.0),
+        "processing": Processing(denoise_luma_px=0.7, sharpen_amount=0.5, contrast=1.1),
+        "stored": Jpeg(70, "4:2:2"),
+        "origin_px": (3, 5),
+    }
+    return Camera(compression, codec=codec, name="full", **{**stages, **changes})
+
+
+def preset(name: str) -> Camera:
+    camera = instantiate(OmegaConf.load(config_folder() / "camera" / f"{name}.yaml"))
+    assert isinstance(camera, Camera)
+    return camera
+
+
+@pytest.mark.parametrize("codec", ["true", "differentiable"])
+def test_the_whole_chain_makes_srgb_of_eight_bits_of_a_finer_film(codec: str) -> None:
+    srgb = full(codec)(light(2, 48, 40), torch.ones(2), [1, 2])
+    assert srgb.shape == (2, 3, 24, 20)
+    assert torch.allclose(srgb * 255, (srgb * 255).round().clamp(0, 255), atol=1e-4)
+
+
+def test_a_noisy_picture_depends_on_its_seed_and_not_on_its_batch() -> None:
+    linear, metered, camera = light(5, 40, 56), torch.linspace(0.5, 2, 5), full()
+    together = camera(linear, metered, range(5))
+    order = [3, 1, 4, 0, 2]
+    assert torch.equal(camera(linear[order], metered[order], order), together[order])
+    alone = [camera(linear[i : i + 1], metered[i : i + 1], [i]) for i in range(5)]
+    assert torch.equal(torch.cat(alone), together)
+    assert not torch.equal(camera(linear[:1], metered[:1], [9]), together[:1])
+
+
+def test_a_noisy_camera_wants_a_seed_for_each_image() -> None:
+    with pytest.raises(InputError, match="camera 'full' is noisy: give seeds, one for each image"):
+        full()(light(), torch.ones(2))
+    with pytest.raises(InputError, match="seeds: got 1 for 2 noisy images"):
+        full()(light(), torch.ones(2), [1])
+    assert not full(sensor=Sensor(noise=False)).noisy
+    full(sensor=None)(light(), torch.ones(2))
+
+
+@pytest.mark.parametrize("stage", ["optics", "colour", "mosaic", "sensor", "processing", "stored"])
+def test_each_stage_can_be_left_out_and_changes_the_picture(stage: str) -> None:
+    linear, metered = light() * 0.6, torch.ones(2)
+    picture = full(**{stage: None})(linear, metered, [1, 2])
+    assert not torch.equal(picture, full()(linear, metered, [1, 2]))
+
+
+def test_perfect_stages_leave_the_reference_picture() -> None:
+    perfect = Camera(
+        optics=Optics(),
+        colour=Colour(((0.5, 0.1, 0.0), (0.1, 0.8, 0.1), (0.0, 0.1, 0.6))),
+        sensor=Sensor(noise=False, prnu=0.0, bits=16, black_level_dn=0),
+        processing=Processing(),
+    )
+    difference = perfect(light(), torch.ones(2)) - Camera()(light(), torch.ones(2))
+    assert float(difference.abs().max()) * 255 <= 1.001
+
+
+def test_every_stage_keeps_the_mean_of_an_even_light() -> None:
+    # 2304 photosites of 0.0216 (shot noise of 2000 e-): the mean is known to 0.0005.
+    even = torch.full((4, 3, 48, 48), 0.4)
+    exposed = expose(even, torch.ones(4))
+    camera = full(stored=None, processing=None)
+    picture = camera.develop(camera.gather(exposed), range(4))
+    assert float(picture.mean()) == pytest.approx(float(linear_to_srgb(exposed).mean()), abs=0.003)
+
+
+def test_the_stages_come_in_their_order() -> None:
+    linear, metered, camera = light(), torch.ones(2), full()
+    film = camera.optics(expose(linear, metered), supersampling=2)
+    raw = camera.mosaic.filter(camera.colour.filter(bin_pixels(film, 2)), (3, 5))
+    counted = camera.sensor.light(camera.sensor(raw, [1, 2], origin_px=(3, 5)))
+    colours = camera.colour(camera.mosaic(counted, (3, 5)))
+    rounded = (camera.processing(colours) * 255).round() / 255
+    wanted = jpeg(rounded, 70, chroma="4:2:2", origin_px=(3, 5))
+    assert torch.equal(camera(linear, metered, [1, 2]), wanted)
+    assert torch.equal(camera.compressing("heavy")(linear, metered, [1, 2]), jpeg(wanted, 15))
+
+
+def test_a_recording_takes_several_exposures_with_noise_of_their_own() -> None:
+    camera = full(stored=Video(frames=2, crf=20))
+    film = camera.gather(expose(light(), torch.ones(2)))
+    frames = torch.stack([camera.develop(film, [1, 2], frame) for frame in (0, 1)])
+    assert not torch.equal(*frames)
+    wanted = camera.stored(frames, origin_px=(3, 5))
+    assert torch.equal(camera(light(), torch.ones(2), [1, 2]), wanted)
+
+
+def test_the_gradient_reaches_the_light_through_every_stage() -> None:
+    linear = (light() * 0.6).requires_grad_()
+    full("differentiable", "small")(linear, torch.ones(2), [1, 2]).sum().backward()
+    assert linear.grad is not None
+    assert bool(torch.isfinite(linear.grad).all())
+    assert float(linear.grad.abs().mean()) > 0.01
+
+
+def test_a_step_along_the_gradient_does_what_it_says() -> None:
+    target = full()(light(seed=1) * 0.6, torch.ones(2), [1, 2])
+    linear = (light(seed=2) * 0.6).requires_grad_()
+    soft = full("differentiable")(linear, torch.ones(2), [1, 2])
+    (soft - target).square().sum().backward()
+    assert linear.grad is not None
+    step = (linear - 0.02 * linear.grad).detach().clamp_min(0)
+    loss = [
+        float((full()(film, torch.ones(2), [1, 2]) - target).square().mean())
+        for film in (linear.detach(), step)
+    ]
+    assert loss[1] < 0.98 * loss[0]
+
+
+def test_points_of_the_film_move_onto_the_picture() -> None:
+    film = torch.tensor([[0.5, 2.5], [31.5, 15.5]])
+    halved = (film + 0.5) / 2 - 0.5
+    assert torch.allclose(full().place_points(film, (48, 48)), halved, atol=1e-4)
+    assert torch.equal(Camera().place_points(film, (48, 48)), film)
+    bent = full(optics=Optics(focal_mm=3.0, distortion=(0.1, 0.0)), field_mm=(1.5, 0.0))
+    moved = bent.place_points(film, (48, 48)) - halved
+    assert 1e-3 < float(moved.abs().max()) < 24
+
+
+def test_another_compression_keeps_every_stage() -> None:
+    heavy = full().compressing("heavy")
+    assert heavy.compression == "heavy"
+    assert heavy.compressing("none")._stages() == full(**heavy._stages())._stages()
+    assert (heavy.supersampling, heavy.origin_px, heavy.name) == (2, (3, 5), "full")
+    once = heavy.compressing("none")(light(), torch.ones(2), [1, 2])
+    assert torch.equal(once, full()(light(), torch.ones(2), [1, 2]))
+
+
+def test_a_clean_camera_has_the_exposure_and_no_flaw() -> None:
+    clean = full(exposure_ev=-1.0).clean()
+    assert clean.flawless
+    assert (clean.name, clean.exposure_ev, clean.compression) == ("reference", -1.0, "none")
+    assert torch.equal(clean(light(), torch.ones(2)), Camera("none", -1.0)(light(), torch.ones(2)))
+    assert Camera("heavy", name="mine").clean().name == "mine"
+    assert not full().flawless
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_takes_pictures_whose_seed_decides_them(name: str) -> None:
+    camera = preset(name)
+    film = light(2, 32 * camera.supersampling, 32 * camera.supersampling)
+    srgb = camera(film, torch.ones(2), [1, 2])
+    assert srgb.shape == (2, 3, 32, 32)
+    assert torch.equal(srgb, camera(film, torch.ones(2), [1, 2]))
+
+
+def hue(name: str) -> torch.Tensor:
+    camera = preset(name)
+    grey = torch.full((1, 3, 64 * camera.supersampling, 64 * camera.supersampling), 0.4)
+    return camera(grey, torch.ones(1), [0])[..., 16:-16, 16:-16].mean((0, 2, 3))
+
+
+def test_the_surveillance_cameras_have_the_hues_they_are_known_for() -> None:
+    red, green, blue = hue("scface_cam1").tolist()
+    assert min(red, green) > blue + 0.03, "yellow"
+    red, green, blue = hue("scface_cam3").tolist()
+    assert blue > max(red, green) + 0.03, "blue"
+    assert float(hue("ideal").max() - hue("ideal").min()) < 0.002
+
+
+def test_a_place_or_a_film_that_does_not_fit_is_refused() -> None:
+    with pytest.raises(InputError, match="supersampling=3: wanted one of"):
+        full(supersampling=3)
+    with pytest.raises(InputError, match="origin_px"):
+        full(origin_px=(-1, 0))
+    with pytest.raises(ImageContractError, match="film: got 31x32, wanted multiples of 2"):
+        full()(light(1, 31, 32), torch.ones(1), [0])
