@@ -53,30 +53,28 @@ class Seidel:
             + _spread(self.astigmatism) * along**2
         )
 
-    def steepest(self, field: torch.Tensor) -> float:
-        """Return a bound on the wavefront's slope, waves per radius of the pupil.
+    def steepest(self) -> torch.Tensor:
+        """Return a bound on the wavefront's slope anywhere in the field, waves per pupil radius.
 
         2 λ / (2A) times the slope is how far light lands from where it should.
 
-        Args:
-            field: ``(N, 2)``, see :meth:`waves`.
+        Returns:
+            Float64, of the terms' common shape (none if all are numbers).
+
+        Example:
+            >>> Seidel(defocus=-1.0, coma=0.5).steepest().item()
+            3.5
         """
-        height = field.detach().square().sum(1, keepdim=True).sqrt()
-        slope = (
-            2 * _size(self.defocus)
-            + 4 * _size(self.spherical)
-            + 3 * _size(self.coma) * height
-            + 2 * (_size(self.astigmatism) + _size(self.curvature)) * height**2
-        )
-        return float(slope.max())
+        sizes = [
+            torch.as_tensor(term, dtype=torch.float64).detach().abs()
+            for term in (self.defocus, self.spherical, self.coma, self.astigmatism, self.curvature)
+        ]
+        defocus, spherical, coma, astigmatism, curvature = sizes
+        return 2 * (defocus + astigmatism + curvature) + 4 * spherical + 3 * coma
 
 
 def _spread(number: torch.Tensor | float) -> torch.Tensor | float:
     return number[..., None, None] if isinstance(number, torch.Tensor) else number
-
-
-def _size(number: torch.Tensor | float) -> torch.Tensor | float:
-    return number.detach().abs() if isinstance(number, torch.Tensor) else abs(number)
 
 
 def focus_shift_um(
@@ -105,8 +103,8 @@ def focus_shift_um(
             f"subject at {nearest:g} m, focus at {focus_m:g} m: both must be farther than the "
             f"focal length of {focal_mm:g} mm"
         )
-    square = 1000 * focal_mm**2
-    return square / (1000 * subject_m - focal_mm) - square / (1000 * focus_m - focal_mm)
+    nearness = 1 / (1000 * subject_m - focal_mm) - 1 / (1000 * focus_m - focal_mm)
+    return nearness * (1000 * focal_mm**2)
 
 
 def defocus_waves(

@@ -13,6 +13,8 @@ from lrsr.errors import InputError
 
 TAIL = 16
 """How far kernels reach beyond the geometric blur, in λ / (2A): 98.7 % of an Airy disk's light."""
+STEP = 8
+"""Pupils have multiples of so many samples: their Fourier transforms are fast."""
 MAX_PUPIL = 1024
 """Samples across the pupil at most: enough for 120 waves of defocus."""
 
@@ -91,25 +93,60 @@ class Blur:
             >>> Blur(1.4).kernels(torch.zeros(1, 2), 2.65).shape  # red decides: 15 µm and more
             torch.Size([1, 3, 13, 13])
         """
-        shift = self._subject_shift_um(subject_m, field)
+        sizes = self.pupil_sizes(subject_m)
+        size = int(sizes.max())
         if not self.varies:
             field = torch.zeros_like(field[:1])
-        fronts = self._wavefronts(shift)
-        slopes = [front.steepest(field) for front in fronts]
-        size = _pupil_size(max(slopes))
-        radius_px = self._radius_px(slopes, pitch_um)
-        if not max(slopes):
+        radius_px = self._radius_px(size, pitch_um)
+        if not size:
             perfect = [
                 airy_kernel(self.f_number, nm, pitch_um, radius_px) for nm in self.wavelengths_nm
             ]
             return torch.stack(perfect)[None].to(field)
         kernels = [
             pupil_kernel(front.waves(field, size), self.f_number, nm, pitch_um, radius_px)
-            for front, nm in zip(fronts, self.wavelengths_nm, strict=True)
+            for front, nm in zip(
+                self._wavefronts(subject_m, field), self.wavelengths_nm, strict=True
+            )
         ]
         return torch.cat(kernels, dim=1)
 
-    def _wavefronts(self, shift_um: torch.Tensor | float) -> list[Seidel]:
+    def pupil_sizes(self, subject_m: torch.Tensor | float | None = None) -> torch.Tensor:
+        """Return how many samples across the pupil each subject needs; 0: the lens is perfect.
+
+        Enough for phases to turn by less than half a wave from one to the next, and for kernels not
+        to wrap round, wherever in the field the subject is. The kernels' size depends on it, so
+        subjects of different needs are better kept apart: then none depends on another.
+
+        Args:
+            subject_m: Lens to subject, m, or a tensor ``(N,)``; matters only with ``focus_m``.
+
+        Returns:
+            ``(N,)`` or ``(1,)`` int64.
+
+        Raises:
+            InputError: The subject's distance is missing, or the blur is too wide to compute.
+
+        Example:
+            >>> Blur(1.4, focus_m=1.0).pupil_sizes(torch.tensor([1.0, 0.2])).tolist()
+            [0, 88]
+        """
+        like = torch.zeros(1, dtype=torch.float64)
+        fronts = self._wavefronts(subject_m, like)
+        slopes = torch.stack([front.steepest().reshape(-1) for front in fronts]).amax(0)
+        sizes = STEP * torch.ceil((4 * slopes + 3 * TAIL) / STEP).long()
+        if int(sizes.max()) > MAX_PUPIL:
+            raise InputError(
+                f"a blur of {float(slopes.max()):.3g} waves per pupil radius is too wide to "
+                "compute: give less defocus or aberration"
+            )
+        return torch.where(slopes > 0, sizes, 0)
+
+    def _wavefronts(
+        self, subject_m: torch.Tensor | float | None, like: torch.Tensor
+    ) -> list[Seidel]:
+        """Return one for each colour."""
+        shift_um = self._subject_shift_um(subject_m, like)
         fronts = []
         for nm, axial_um in zip(self.wavelengths_nm, self.axial_colour_um, strict=True):
             scale = self.wavelengths_nm[len(self.wavelengths_nm) // 2] / nm
@@ -124,14 +161,14 @@ class Blur:
             )
         return fronts
 
-    def _radius_px(self, slopes: list[float], pitch_um: float) -> int:
+    def _radius_px(self, size: int, pitch_um: float) -> int:
         """Return how far kernels reach: the geometric blur and the tail of diffraction."""
-        units = [diffraction_length_um(self.f_number, nm) for nm in self.wavelengths_nm]
-        reach = [(2 * slope + TAIL) * unit for slope, unit in zip(slopes, units, strict=True)]
-        return math.ceil(max(reach) / pitch_um)
+        slope = max(0, size - 3 * TAIL) / 4
+        unit = diffraction_length_um(self.f_number, max(self.wavelengths_nm))
+        return math.ceil((2 * slope + TAIL) * unit / pitch_um)
 
     def _subject_shift_um(
-        self, subject_m: torch.Tensor | float | None, field: torch.Tensor
+        self, subject_m: torch.Tensor | float | None, like: torch.Tensor
     ) -> torch.Tensor | float:
         """Return 0, or ``(N, 1)``: how far behind the film each subject is sharp.
 
@@ -142,20 +179,5 @@ class Blur:
             return 0.0
         if subject_m is None:
             raise InputError(f"subject_m: with focus_m={self.focus_m:g}, give its distance too")
-        distance = torch.as_tensor(subject_m, dtype=field.dtype, device=field.device)
+        distance = torch.as_tensor(subject_m, dtype=like.dtype, device=like.device)
         return torch.as_tensor(focus_shift_um(distance.reshape(-1, 1), self.focus_m, self.focal_mm))
-
-
-def _pupil_size(slope: float) -> int:
-    """Return enough samples for phases to turn by less than half and kernels not to wrap round.
-
-    Raises:
-        InputError: They would be too many.
-    """
-    size = 16 * math.ceil((4 * slope + 48) / 16)
-    if size > MAX_PUPIL:
-        raise InputError(
-            f"a blur of {slope:.3g} waves per pupil radius is too wide to compute: give less "
-            "defocus or aberration"
-        )
-    return size

@@ -169,8 +169,7 @@ class Optics(nn.Module):
         if self.natural_vignetting or self.rim:
             film = film * self._brightness(film, field, pitch_um / 1000)
         if self.blur is not None:
-            relative = field / self.field_radius_mm
-            film = convolve(film, self.blur.kernels(relative, pitch_um, subject_m))
+            film = self._spread(film, self.blur, field, pitch_um, subject_m)
         return film if film is linear else film.clamp_min(0)  # a cubic and an FFT may undershoot
 
     def point_spread(
@@ -260,6 +259,35 @@ class Optics(nn.Module):
             sensor = sensor / (1 + outwards[:, None, None, None])
         scene = self.distortion.to_film(sensor, centre)
         return sample_bicubic(film, mm_to_pixels(scene, size, pitch_mm, torch.zeros_like(centre)))
+
+    def _spread(
+        self,
+        film: torch.Tensor,
+        blur: Blur,
+        field: torch.Tensor,
+        pitch_um: float,
+        subject_m: torch.Tensor | float | None,
+    ) -> torch.Tensor:
+        """Blur images that need kernels of one size together, so that none depends on another.
+
+        Raises:
+            InputError: Not one distance for each image, or a blur that cannot be computed.
+        """
+        relative = field / self.field_radius_mm
+        sizes = blur.pupil_sizes(subject_m)
+        if len(sizes) == 1 or not isinstance(subject_m, torch.Tensor):
+            return convolve(film, blur.kernels(relative, pitch_um, subject_m))
+        if len(sizes) != len(film):
+            raise InputError(f"subject_m: {len(sizes)} distances for {len(film)} images")
+        result = torch.empty_like(film)
+        for size in sorted(set(sizes.tolist())):
+            alike = (sizes == size).to(film.device)
+            places = relative if len(relative) == 1 else relative[alike]
+            kernels = blur.kernels(places, pitch_um, subject_m[alike])
+            result = result.masked_scatter(
+                alike[:, None, None, None], convolve(film[alike], kernels)
+            )
+        return result
 
     def _brightness(self, film: torch.Tensor, field: torch.Tensor, pitch_mm: float) -> torch.Tensor:
         """Return ``(N, 1, H, W)``, 1 on the axis."""

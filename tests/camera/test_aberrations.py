@@ -50,8 +50,12 @@ def test_the_slope_is_bounded() -> None:
     rim = (torch.arange(size) * 2 + 1 - size) / size
     inside = torch.hypot(rim[:, None], rim) <= 1
     steepest = float(torch.hypot(down, right)[inside].max())
-    assert steepest <= seidel.steepest(EDGE) + 1e-6
-    assert Seidel(1.0).steepest(EDGE) == 2.0
+    assert steepest <= float(seidel.steepest()) + 1e-6
+    assert float(Seidel(1.0).steepest()) == 2.0
+
+
+def test_each_subject_has_its_slope() -> None:
+    assert Seidel(torch.tensor([[1.0], [-2.0]]), coma=1.0).steepest().tolist() == [[5.0], [7.0]]
 
 
 def test_each_place_and_colour_has_its_wavefront() -> None:
