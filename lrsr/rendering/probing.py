@@ -22,7 +22,10 @@ STEP_MM = 1e-3
 """A probe goes on so far behind a hit: more than rounding errors, less than any two skins apart."""
 
 FACING = 0.5
-"""Points that both see the other steeper above their skin than this sine lie across a gap: lips."""
+"""Points that both see the other steeper above their skin than this sine lie across a gap..."""
+
+FACING_OPPOSED = 0.05
+"""... or than this, where their normals point against each other, as those of lips and lids do."""
 
 REACH_WIDTHS = 14.0
 """Where a profile ends, in its largest width: beyond is a millionth of the light."""
@@ -228,5 +231,6 @@ def _inside(offset: Any, here: Any, there: Any) -> Any:
     """Tell whether light may go straight from one point to the other through the skin."""
     import drjit as dr
 
-    length = FACING * dr.norm(offset)
+    sine = dr.select(dr.dot(here, there) < 0, FACING_OPPOSED, FACING)
+    length = sine * dr.norm(offset)
     return ~((dr.dot(offset, here) > length) & (-dr.dot(offset, there) > length))
