@@ -6,8 +6,8 @@ from torch.nn import functional as F
 
 from lrsr.errors import ImageContractError
 
-CHUNK = 64
-"""Images convolved at a time: their spectra stay within some tens of MB."""
+CHUNK = 8
+"""Images convolved at a time: their spectra stay in the caches."""
 
 
 def convolve(images: torch.Tensor, kernels: torch.Tensor) -> torch.Tensor:
@@ -40,19 +40,16 @@ def convolve(images: torch.Tensor, kernels: torch.Tensor) -> torch.Tensor:
         )
     if height != width or height % 2 == 0:
         raise ImageContractError(f"kernels: got {height}x{width}, wanted a square of odd side")
-    parts = []
-    for start in range(0, len(images), CHUNK):
-        chosen = slice(start, start + CHUNK)
-        parts.append(_convolve(images[chosen], kernels if count == 1 else kernels[chosen]))
-    return torch.cat(parts)
-
-
-def _convolve(images: torch.Tensor, kernels: torch.Tensor) -> torch.Tensor:
     height, width = images.shape[-2:]
     reach = kernels.shape[-1] // 2
-    padded = F.pad(images, (reach, reach, reach, reach), mode="replicate")
     # What wraps round falls into the first 2 * reach rows and columns, which are cut off.
-    size = [next_fast_len(length, real=True) for length in padded.shape[-2:]]
-    spectrum = torch.fft.rfft2(padded, s=size) * torch.fft.rfft2(kernels, s=size)
-    spread: torch.Tensor = torch.fft.irfft2(spectrum, s=size)
-    return spread[..., 2 * reach : 2 * reach + height, 2 * reach : 2 * reach + width]
+    size = [next_fast_len(length + 2 * reach, real=True) for length in (height, width)]
+    alike = torch.fft.rfft2(kernels, s=size) if count == 1 else None
+    parts = []
+    for start in range(0, len(images), CHUNK):
+        few = slice(start, start + CHUNK)
+        padded = F.pad(images[few], (reach, reach, reach, reach), mode="replicate")
+        transfer = torch.fft.rfft2(kernels[few], s=size) if alike is None else alike
+        spread = torch.fft.irfft2(torch.fft.rfft2(padded, s=size) * transfer, s=size)
+        parts.append(spread[..., 2 * reach : 2 * reach + height, 2 * reach : 2 * reach + width])
+    return torch.cat(parts)

@@ -56,9 +56,9 @@ def _sample_alike(images: torch.Tensor, points_px: torch.Tensor) -> torch.Tensor
     Each pixel is a row with its value in many images, so that one fetch serves them all: ten times
     faster than looking at one image after the other.
     """
-    size = (images.shape[-2], images.shape[-1])
+    height, width = images.shape[-2:]
     every = images.shape[1] // len(points_px)  # channels that share their places
-    alike = [_surroundings(points, size) for points in points_px.flatten(1, 2)]
+    alike = [_surroundings(points, height, width) for points in points_px.flatten(1, 2)]
     parts = []
     for few in torch.split(images, MANY):
         layers = []
@@ -75,24 +75,31 @@ def _sample_each(images: torch.Tensor, points_px: torch.Tensor) -> torch.Tensor:
     """Look at places ``(B, M, h, w, 2)`` of each image."""
     batch, channels, height, width = images.shape
     pixels = images.flatten(2)
-    index, weights = _surroundings(points_px.flatten(2, 3), (height, width))
-    result = pixels.new_zeros(batch, channels, index.shape[-2])
-    for place, weight in zip(index.unbind(-1), weights.unbind(-1), strict=True):
-        result = result + weight * pixels.gather(2, place.expand_as(result))
+    x, y = points_px.flatten(2, 3).unbind(-1)
+    columns = _neighbours(x, width)
+    result = pixels.new_zeros(batch, channels, x.shape[-1])
+    for row, down in _neighbours(y, height):
+        line = torch.zeros_like(result)
+        for column, right in columns:
+            line = line + right * pixels.gather(2, (row * width + column).expand_as(result))
+        result = result + down * line
     return result.reshape(batch, channels, *points_px.shape[2:4])
 
 
 def _surroundings(
-    points_px: torch.Tensor, size: tuple[int, int]
+    points_px: torch.Tensor, height: int, width: int
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """Return indices and weights ``(..., 16)`` of the pixels around points ``(..., 2)``."""
-    height, width = size
-    corner = points_px.detach().floor()
-    columns, rows = (
-        torch.stack(cubic_weights(offset), dim=-1) for offset in (points_px - corner).unbind(-1)
-    )
-    steps = torch.arange(-1, 3, device=points_px.device)
-    left, top = corner.long()[..., None].unbind(-2)
-    index = (top + steps).clamp(0, height - 1)[..., None] * width
-    index = index + (left + steps).clamp(0, width - 1)[..., None, :]
-    return index.flatten(-2), (rows[..., None] * columns[..., None, :]).flatten(-2)
+    """Return indices and weights ``(P, 16)`` of the pixels around points ``(P, 2)``."""
+    x, y = points_px.unbind(-1)
+    columns, rows = _neighbours(x, width), _neighbours(y, height)
+    index = [row * width + column for row, _ in rows for column, _ in columns]
+    weights = [down * right for _, down in rows for _, right in columns]
+    return torch.stack(index, dim=-1), torch.stack(weights, dim=-1)
+
+
+def _neighbours(place: torch.Tensor, length: int) -> list[tuple[torch.Tensor, torch.Tensor]]:
+    """Return index and weight of each of the four pixels around a place along one side."""
+    corner = place.detach().floor()
+    weights = cubic_weights(place - corner)
+    steps = [(corner.long() + step).clamp(0, length - 1) for step in (-1, 0, 1, 2)]
+    return list(zip(steps, weights, strict=True))

@@ -1,5 +1,6 @@
 """The whole lens: what is off changes nothing, what is on does what its part does."""
 
+import math
 from typing import Any
 
 import pytest
@@ -88,6 +89,19 @@ def test_the_blur_keeps_the_light() -> None:
     reach = kernels.shape[-1] // 2
     middle = slice(32 - reach, 33 + reach)
     assert torch.allclose(spread[..., middle, middle], kernels, atol=1e-6)
+
+
+@pytest.mark.parametrize("period_px", [4, 8, 16])
+def test_stripes_keep_the_contrast_that_the_stop_passes(period_px: int) -> None:
+    # Goodman, Introduction to Fourier Optics, eq. 6-31, times the film pixel's own sinc.
+    places = torch.arange(240, dtype=torch.float64)
+    stripes = (1 + torch.cos(2 * math.pi * places / period_px)).expand(1, 3, 1, 240)
+    seen = Optics(f_number=4.0, pitch_um=2.0)(stripes, supersampling=2)[0, 1, 0, 80:160]
+    frequency = 0.5491 * math.sqrt(4 * 4.0**2 + 1) / 2 / period_px  # of λ / (2A), 1 µm a pixel
+    passed = 2 / math.pi * (math.acos(frequency) - frequency * math.sqrt(1 - frequency**2))
+    passed *= math.sin(math.pi / period_px) / (math.pi / period_px)
+    contrast = float((seen * torch.cos(2 * math.pi * places[80:160] / period_px)).mean()) * 2
+    assert contrast == pytest.approx(passed, abs=0.015)
 
 
 def test_a_narrower_stop_blurs_more() -> None:
