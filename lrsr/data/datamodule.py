@@ -1,8 +1,8 @@
 """What does a super-resolution network train on? Probes, rendered on the fly where missing.
 
 The low-resolution input is no shrunken picture: it is the ×1 film of the scene through the camera,
-compressed, and the target is the ×2 or ×4 film of the same scene through the same camera, not
-compressed. Film and reference are aligned by construction.
+compressed, and the target is the ×2 or ×4 film of the same scene, with the same exposure and
+without the camera's flaws. Film and reference are aligned by construction.
 """
 
 import random
@@ -20,7 +20,7 @@ from lrsr.camera import Camera
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker
 from lrsr.data.patches import PairDataset, PatchDataset, cut_patches, luminance_pair
-from lrsr.data.probes import load_probes, render_missing, stack
+from lrsr.data.probes import filmed, load_probes, render_missing, stack
 from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.errors import InputError
 from lrsr.identities.roster import UNCHECKED, Cast
@@ -61,7 +61,8 @@ class ProbeDataModule(LightningDataModule):
             shows a 2× network that is applied twice what its second pass meets. None: 1 to scale.
         lens: Of both pictures, name or any surfaces.
         standpoint: Of both pictures, name or any place of the camera.
-        camera: Takes both pictures; its own compression is not used. None: the reference camera.
+        camera: Takes the inputs; its own compression is not used. None: the reference camera, which
+            takes the targets in any case, with the exposure of this one.
         cache: Folder of the render cache; None: the user's.
         samples_per_pixel: Of the ×1 film.
         texture_size: Of the heads' albedo, px.
@@ -214,12 +215,14 @@ class ProbeDataModule(LightningDataModule):
         Raises:
             InputError: The cache cannot be written or the disk is full.
         """
-        films = sorted({film for pair in self.pairs for film in pair})
+        splits: tuple[Split, ...] = ("train", "validation")
         wanted = [
             recipe
-            for split in ("train", "validation")
-            for film in films
-            for recipe in self.recipes(split, film)
+            for split, (lr_film, hr_film) in product(splits, self.pairs)
+            for recipe in (
+                *(filmed(recipe, self.cameras[0]) for recipe in self.recipes(split, lr_film)),
+                *self.recipes(split, hr_film),
+            )
         ]
         render_missing(wanted, self.cache, progress=self.progress, maker=self.maker)
 
@@ -253,7 +256,7 @@ class ProbeDataModule(LightningDataModule):
                     chunk = members[start : start + _CHUNK]
                     yield luminance_pair(
                         self._images_of([lr_recipes[i] for i in chunk], camera),
-                        self._images_of([hr_recipes[i] for i in chunk], camera.compressing("none")),
+                        self._images_of([hr_recipes[i] for i in chunk], camera.clean()),
                     )
 
     def _images_of(self, recipes: list[ProbeRecipe], camera: Camera) -> torch.Tensor:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import torch
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Probe",
     "ProbeRecipe",
+    "filmed",
     "load_probes",
     "load_radiances",
     "photograph",
@@ -66,6 +67,23 @@ class Probe:
     seed: int
     kind: str
     person: Person | None = None
+
+
+def filmed(recipe: ProbeRecipe, camera: Camera) -> ProbeRecipe:
+    """Return what is rendered for a picture: the film of a camera with a lens is finer.
+
+    The sampler keeps its seed. Nothing else of the camera changes what is rendered.
+
+    Args:
+        recipe: Of the picture.
+        camera: Takes it.
+
+    Raises:
+        InputError: No film is that fine: references of a camera with a lens are taken by
+            :meth:`lrsr.camera.Camera.clean`.
+    """
+    finer = camera.supersampling
+    return recipe if finer == 1 else replace(recipe, scale=recipe.scale * finer)
 
 
 def render_missing(
@@ -167,9 +185,10 @@ def load_probes(
     """Take one picture for each recipe, in their order; what is not rendered yet is rendered.
 
     Args:
-        recipes: What to show; sizes may differ.
+        recipes: What to show; sizes may differ. For a camera with a lens their films are finer.
         cache: Where renderings are kept.
-        camera: Takes the pictures; not trained through (no gradient).
+        camera: Takes the pictures; not trained through (no gradient). The seed of a picture's
+            noise is that of its sampler.
         progress: Show a bar while rendering.
         maker: Renders what is missing; Mitsuba when None.
 
@@ -179,7 +198,8 @@ def load_probes(
     probes: list[Probe] = []
     for start in range(0, len(recipes), _CHUNK):
         chunk = recipes[start : start + _CHUNK]
-        radiances = load_radiances(chunk, cache, progress=progress, maker=maker)
+        films = [filmed(recipe, camera) for recipe in chunk]
+        radiances = load_radiances(films, cache, progress=progress, maker=maker)
         probes += photograph(radiances, camera, [recipe.kind for recipe in chunk])
     return probes
 
@@ -188,10 +208,20 @@ def photograph(radiances: Sequence[Radiance], camera: Camera, kinds: Sequence[st
     """Send light through the camera, images of one size together; there is no gradient.
 
     Args:
-        radiances: Of any sizes.
-        camera: Takes the pictures.
+        radiances: Of any sizes, on films as fine as the camera wants them (:func:`filmed`).
+        camera: Takes the pictures; a radiance's seed is that of its picture's noise.
         kinds: "probe" or "gallery", one for each.
+
+    Raises:
+        InputError: A film is not as fine as the camera wants it.
     """
+    finer = camera.supersampling
+    for radiance in radiances:
+        if radiance.scale % finer:
+            raise InputError(
+                f"a film of scale {radiance.scale} in camera {camera.name!r}: wanted {finer} times "
+                "the picture's"
+            )
     sizes: dict[torch.Size, list[int]] = {}
     for i, radiance in enumerate(radiances):
         sizes.setdefault(radiance.image.shape, []).append(i)
@@ -200,13 +230,14 @@ def photograph(radiances: Sequence[Radiance], camera: Camera, kinds: Sequence[st
         linear = torch.stack([radiances[i].image for i in members])
         metered = torch.tensor([radiances[i].metered for i in members])
         with torch.no_grad():
-            images |= dict(zip(members, camera(linear, metered), strict=True))
+            seeds = [radiances[i].seed for i in members]
+            images |= dict(zip(members, camera(linear, metered, seeds), strict=True))
     return [
         Probe(
             image=images[i].clone(),
-            landmarks_px=radiance.landmarks_px,
+            landmarks_px=camera.place_points(radiance.landmarks_px, _size(radiance)),
             ipd_px=radiance.ipd_px,
-            scale=radiance.scale,
+            scale=radiance.scale // finer,
             identity_id=radiance.identity_id,
             pose=radiance.pose,
             lighting=radiance.lighting,
@@ -218,6 +249,10 @@ def photograph(radiances: Sequence[Radiance], camera: Camera, kinds: Sequence[st
         )
         for i, (radiance, kind) in enumerate(zip(radiances, kinds, strict=True))
     ]
+
+
+def _size(radiance: Radiance) -> tuple[int, int]:
+    return radiance.image.shape[-2], radiance.image.shape[-1]
 
 
 def stack(probes: Sequence[Probe]) -> tuple[torch.Tensor, torch.Tensor]:

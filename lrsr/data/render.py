@@ -10,11 +10,12 @@ import torch
 
 from lrsr.camera import Camera
 from lrsr.camera.exposure import expose
+from lrsr.camera.optics import bin_pixels
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.manifest import MANIFEST, ManifestRow, about, read_manifest, write_manifest
 from lrsr.data.png import write_png
-from lrsr.data.probes import Probe, load_radiances, photograph, render_missing
+from lrsr.data.probes import Probe, filmed, load_radiances, photograph, render_missing
 from lrsr.data.recipe import Kind, ProbeRecipe
 from lrsr.errors import InputError
 from lrsr.files import sweep
@@ -54,7 +55,8 @@ class RenderSettings:
         ipd_px: Interpupillary distance of the frontal face on the ×1 film, px.
         scales: Films: 1, and 2 and 4 for references.
         png16: Write the exposed linear light too, clipped at white, in 16 bits a channel.
-        camera: Takes the pictures; its own compression is not used. None: the reference camera.
+        camera: Takes the ×1 picture; its own compression is not used. None: the reference camera,
+            which also takes enrolled pictures and finer films, with the exposure of this one.
         samples_per_pixel: Of the ×1 film.
         texture_size: Of the heads' albedo, px.
         skin: Name of a skin, or any other.
@@ -116,8 +118,15 @@ class RenderSettings:
             samples_per_pixel=min(self.samples_per_pixel, GALLERY_SAMPLES),
         )
 
+    def camera_of(self, scale: int) -> Camera:
+        """Return who takes the pictures of that scale: finer ones are references, without flaws."""
+        camera = self.camera or Camera()
+        if scale == 1 and self.kind == "probe":
+            return camera.compressing(self.compression)
+        return camera.clean()
+
     def recipes(self, scale: int) -> list[ProbeRecipe]:
-        """Return what everybody is rendered as, on a film of that scale."""
+        """Return what everybody is rendered as, in pictures of that scale."""
         return [
             ProbeRecipe(
                 split=self.split,
@@ -181,13 +190,15 @@ def write_pictures(
     Raises:
         InputError: The cache or ``out`` cannot be written.
     """
-    batches = [(scale, settings.recipes(scale)) for scale in settings.scales]
+    cameras = {scale: settings.camera_of(scale) for scale in settings.scales}
+    batches = [
+        (camera, [filmed(recipe, camera) for recipe in settings.recipes(scale)])
+        for scale, camera in cameras.items()
+    ]
     everything = [recipe for _, recipes in batches for recipe in recipes]
     render_missing(everything, cache, progress=progress, maker=maker)
     sweep(settings.out)
-    for scale, recipes in batches:
-        compression = settings.compression if scale == 1 else "none"
-        camera = (settings.camera or Camera()).compressing(compression)
+    for camera, recipes in batches:
         for start in range(0, len(recipes), _CHUNK):
             chunk = recipes[start : start + _CHUNK]
             radiances = load_radiances(chunk, cache, progress=progress, maker=maker)
@@ -220,7 +231,8 @@ def _earlier(folder: Path) -> list[ManifestRow]:
 def _exposed(radiance: Radiance, camera: Camera) -> torch.Tensor:
     """Return the exposed light ``(3, H, W)`` of a picture, linear, 1 = white."""
     metered = torch.tensor([radiance.metered])
-    return expose(radiance.image[None], metered, camera.exposure_ev)[0]
+    exposed = expose(radiance.image[None], metered, camera.exposure_ev)
+    return bin_pixels(exposed, camera.supersampling)[0]
 
 
 def write_picture(

@@ -37,8 +37,8 @@ DONE = (
 NOT_DONE = (
     "No face detector was run: a detector's failures on such small faces come on top.",
     "The embedder was trained on rendered faces; figures for real faces will differ.",
-    "The camera has no colour filter mosaic, lens aberration or sensor noise yet.",
 )
+FLAWLESS = "The camera has no colour filter mosaic, lens aberration or sensor noise."
 
 
 def verify(
@@ -57,7 +57,7 @@ def verify(
         settings: What is asked.
         folder: Of the run; receives ``results.json``, ``report.html`` and ``faces_1.png``, ...
         cache: Folder of the render cache.
-        camera: Takes every picture.
+        camera: Takes the probes; see :class:`lrsr.experiments.verification.Verification`.
         model: ONNX embedder with its contract beside it; None: the one that ships.
         maker: Renders; Mitsuba when None.
         progress: Show bars on stderr.
@@ -81,7 +81,7 @@ def verify(
         )
     )
     write_json(folder / "results.json", results(settings, engine, outcomes))
-    write_report(folder, report(settings, engine, outcomes))
+    write_report(folder, report(settings, engine, outcomes, flawless=camera.flawless))
     for number, outcome in enumerate(outcomes, start=1):
         write_contact_sheet(folder / f"faces_{number}.png", outcome.pictures)
         for row in outcome.rows:
@@ -102,8 +102,14 @@ def results(
     }
 
 
-def report(settings: VerificationSettings, engine: Engine, outcomes: Sequence[Outcome]) -> Report:
-    """Return what ``report.html`` says."""
+def report(
+    settings: VerificationSettings,
+    engine: Engine,
+    outcomes: Sequence[Outcome],
+    *,
+    flawless: bool = True,
+) -> Report:
+    """Return what ``report.html`` says; a camera without flaws is named among what was not done."""
     made_by = versions()
     return Report(
         title=settings.name.replace("_", " ").capitalize(),
@@ -113,7 +119,7 @@ def report(settings: VerificationSettings, engine: Engine, outcomes: Sequence[Ou
         comparisons=[asdict(test) for outcome in outcomes for test in outcome.comparisons],
         panels=[_panel(outcome) for outcome in outcomes],
         done=DONE,
-        not_done=NOT_DONE,
+        not_done=(*NOT_DONE, FLAWLESS) if flawless else NOT_DONE,
         versions=made_by,
         commit=made_by["git"],
         seed=settings.seed,

@@ -96,7 +96,7 @@ class Gallery:
         settings: Who, and how they are pictured.
         cache: Where renderings are kept.
         encoder: Embeds.
-        camera: Takes the pictures, without compression.
+        camera: Gives the pictures its exposure; they are enrolled ones, without its flaws.
         maker: Renders what the cache lacks; Mitsuba when None.
         progress: Show bars on stderr.
     """
@@ -116,7 +116,7 @@ class Gallery:
         self.people: dict[Drawn, Person | None] = {}
         self.embeddings: dict[Drawn, NDArray[np.float32]] = {}
         self._cache = cache
-        self._camera = camera.compressing("none")
+        self._camera = camera.clean()
         self._maker, self._progress = maker or mitsuba_maker(), progress
 
     def recipe(self, drawn: Drawn) -> ProbeRecipe:

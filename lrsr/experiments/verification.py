@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lrsr.camera import Camera
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker
-from lrsr.data.probes import Probe, ProbeRecipe, load_probes, render_missing, stack
+from lrsr.data.probes import Probe, ProbeRecipe, filmed, load_probes, render_missing, stack
 from lrsr.evaluation.quality import psnr_y
 from lrsr.experiments.settings import Condition, VerificationSettings
 from lrsr.experiments.table import Comparison, Row, compare_methods, make_row, mean_psnr_db
@@ -59,7 +59,8 @@ class Verification:
         settings: What is asked.
         cache: Where renderings are kept.
         engine: What recognises.
-        camera: Takes every picture; probes get the condition's compression, all others none.
+        camera: Takes the probes, with the condition's compression; all other pictures are taken by
+            the reference camera, with the same exposure and without compression.
         maker: Renders what the cache lacks; Mitsuba when None.
 
     Raises:
@@ -84,7 +85,8 @@ class Verification:
         recipes = self.gallery_recipes()
         for condition in self.settings.conditions:
             for scale in self._scales:
-                recipes += self.probe_recipes(condition, scale)
+                camera = self._camera if scale == 1 else self._camera.clean()
+                recipes += [filmed(r, camera) for r in self.probe_recipes(condition, scale)]
         return render_missing(recipes, self._cache, progress=progress, maker=self._maker)
 
     def gallery_recipes(self) -> list[ProbeRecipe]:
@@ -106,17 +108,18 @@ class Verification:
 
     def outcomes(self) -> Iterator[Outcome]:
         """Score one condition after the other; what is not rendered yet is rendered."""
-        gallery = self._load(self.gallery_recipes(), "none")
+        gallery = self._load(self.gallery_recipes(), self._camera.clean())
         images, landmarks = stack(gallery)
         enrolled = self._engine.embed(images, landmarks.numpy())
         for condition in self.settings.conditions:
             yield self._outcome(condition, gallery, enrolled)
 
     def _outcome(self, condition: Condition, gallery: Sequence[Probe], enrolled: Floats) -> Outcome:
-        probes = self._load(self.probe_recipes(condition, 1), condition.compression)
+        camera = self._camera.compressing(condition.compression)
+        probes = self._load(self.probe_recipes(condition, 1), camera)
         images, landmarks = stack(probes)
         references = {
-            scale: stack(self._load(self.probe_recipes(condition, scale), "none"))[0]
+            scale: stack(self._load(self.probe_recipes(condition, scale), camera.clean()))[0]
             for scale in self._scales[1:]
         }
         ids = [probe.identity_id for probe in probes], [face.identity_id for face in gallery]
@@ -138,8 +141,7 @@ class Verification:
         comparisons = tuple(compare_methods(condition, scores, self.settings.level))
         return Outcome(condition, tuple(rows), comparisons, scores, pictures)
 
-    def _load(self, recipes: Sequence[ProbeRecipe], compression: str) -> list[Probe]:
-        camera = self._camera.compressing(compression)
+    def _load(self, recipes: Sequence[ProbeRecipe], camera: Camera) -> list[Probe]:
         return load_probes(recipes, self._cache, camera, maker=self._maker)
 
     def _recipes(self, **what: Any) -> list[ProbeRecipe]:

@@ -10,6 +10,7 @@ from lightning import LightningModule, Trainer
 from omegaconf import OmegaConf
 
 from lrsr.camera import Camera
+from lrsr.camera.sensor import Sensor
 from lrsr.data import ProbeDataModule
 from lrsr.data.cache import RenderCache
 from lrsr.data.patches import PatchDataset, cut_patches
@@ -250,3 +251,16 @@ def test_who_is_cast_is_who_is_learned(folder: Path, maker: FakeMaker) -> None:
     assert {recipe.population for recipe in people} == {women}
     with pytest.raises(InputError, match="covers train 0 to 5"):
         module(folder, maker, cast=cast, count=7)
+
+
+def test_inputs_have_the_flaws_of_the_camera_and_targets_have_not(
+    folder: Path, maker: FakeMaker
+) -> None:
+    flawed = Camera(exposure_ev=-0.5, supersampling=4, sensor=Sensor(200.0))
+    data = ready(folder, maker, camera=flawed)
+    made = len(maker.renders)
+    assert {recipe.scale for recipe in maker.renders} == {2, 4}
+    plain = ready(folder, maker, camera=Camera(exposure_ev=-0.5))
+    assert len(maker.renders) == made * 3 // 2  # the inputs, once more, and no target
+    assert torch.equal(everything(data)[1], everything(plain)[1])
+    assert not torch.equal(everything(data)[0], everything(plain)[0])

@@ -15,9 +15,12 @@ from fakes.maker import FakeMaker
 
 from lrsr.camera import Camera
 from lrsr.camera.exposure import KEY
+from lrsr.camera.optics import bin_pixels
+from lrsr.camera.sensor import Sensor
 from lrsr.data.cache import RenderCache
 from lrsr.data.probes import (
     ProbeRecipe,
+    filmed,
     load_probes,
     load_radiances,
     photograph,
@@ -308,3 +311,53 @@ def test_a_head_is_built_once_for_each_expression(cache: RenderCache, maker: Fak
     ]
     assert render_missing(wanted, cache, progress=False, maker=maker) == 4
     assert maker.heads == ["test-00000", "test-00000"]
+
+
+NOISY = Camera(supersampling=2, sensor=Sensor(200.0), name="noisy")
+
+
+def test_the_film_of_a_camera_with_a_lens_is_finer_and_its_picture_is_not(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    (recipe,) = recipes(1, (1,))
+    camera = Camera(supersampling=4)
+    (probe,) = load_probes([recipe], cache, camera, progress=False, maker=maker)
+    assert [made.scale for made in maker.renders] == [4]
+    film = maker.render(maker.head(recipe), filmed(recipe, camera))
+    picture = Camera()(bin_pixels(film.image[None], 4), torch.tensor([film.metered]))
+    assert torch.equal(probe.image, picture[0])
+    assert probe.scale == 1
+    wanted = (film.landmarks_px + 0.5) / 4 - 0.5
+    assert torch.allclose(probe.landmarks_px, wanted, atol=1e-4)
+
+
+def test_only_the_fineness_of_the_film_changes_what_is_rendered() -> None:
+    (recipe,) = recipes(1, (1,))
+    assert filmed(recipe, Camera("heavy", 1.0, name="other")) is recipe
+    assert filmed(recipe, NOISY) == filmed(recipe, Camera(supersampling=2))
+
+
+def test_noise_follows_from_the_picture_and_not_from_its_company(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    wanted = [recipe.seeded(0) for recipe in recipes(4, (1,))]
+    together = load_probes(wanted, cache, NOISY, progress=False, maker=maker)
+    backwards = load_probes(wanted[::-1], cache, NOISY, progress=False, maker=maker)[::-1]
+    for a, b in zip(together, backwards, strict=True):
+        assert torch.equal(a.image, b.image)
+    noise = [
+        probe.image
+        - Camera(supersampling=2)(
+            maker.render(maker.head(recipe), filmed(recipe, NOISY)).image[None], torch.tensor([2.0])
+        )[0]
+        for probe, recipe in zip(together[:2], wanted[:2], strict=True)
+    ]
+    assert not torch.equal(*noise)
+
+
+def test_a_film_that_is_not_fine_enough_is_refused(cache: RenderCache, maker: FakeMaker) -> None:
+    lights = load_radiances(recipes(1, (1,)), cache, progress=False, maker=maker)
+    with pytest.raises(InputError, match="a film of scale 1 in camera 'noisy': wanted 2 times"):
+        photograph(lights, NOISY, ["probe"])
+    with pytest.raises(InputError, match="scale=8: wanted one of"):
+        filmed(recipes(1, (4,))[0], NOISY)

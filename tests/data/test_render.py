@@ -12,6 +12,7 @@ from fakes.maker import FakeMaker
 import lrsr.data.render as render_module
 from lrsr.camera import Camera
 from lrsr.camera.exposure import KEY
+from lrsr.camera.sensor import Sensor
 from lrsr.data.cache import RenderCache
 from lrsr.data.manifest import read_manifest
 from lrsr.data.png import read_png
@@ -288,3 +289,22 @@ def test_who_is_cast_is_who_is_rendered(settings: RenderSettings, maker: FakeMak
     assert names == ["test-00000-female", "test-00001-female-draw3"]
     with pytest.raises(InputError, match="covers test 0 to 1"):
         replace(settings, cast=cast, count=3)
+
+
+def test_only_the_probe_has_the_flaws_of_the_camera(
+    settings: RenderSettings, maker: FakeMaker
+) -> None:
+    flawed = Camera(exposure_ev=-1.0, supersampling=4, sensor=Sensor(200.0), name="flawed")
+    settings = replace(settings, count=1, camera=flawed, scales=(1, 2), png16=True)
+    render(settings, maker)
+    assert sorted(made.scale for made in maker.renders) == [2, 4]
+    probe, reference = sorted(read_manifest(settings.out), key=lambda row: row.scale)
+    assert (probe.camera, reference.camera) == ("flawed", "reference")
+    assert read_png(settings.out / probe.file).shape == (3, 32, 32)
+    assert read_png(settings.out / probe.linear_file).shape == (3, 32, 32)
+    plain = replace(settings, out=settings.out / "plain", camera=Camera(exposure_ev=-1.0))
+    render(plain, maker)
+    ours, theirs = (read_png(s.out / reference.file) for s in (settings, plain))
+    assert torch.equal(ours, theirs)
+    gallery = replace(settings, kind="gallery", scales=(1,))
+    assert gallery.camera_of(1).flawless

@@ -7,6 +7,7 @@ from fakes.painted import PaintedMaker
 from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.camera import Camera
+from lrsr.camera.sensor import Sensor
 from lrsr.data.cache import RenderCache
 from lrsr.data.probes import load_probes, stack
 from lrsr.errors import InputError
@@ -134,3 +135,17 @@ def test_base_alone_needs_no_reference(tmp_path: Path, tone_model: Path) -> None
 def test_an_unknown_method_is_refused_before_rendering(tmp_path: Path, tone_model: Path) -> None:
     with pytest.raises(InputError, match="magic"):
         trial(tmp_path, tone_model, replace(SETTINGS, methods=("magic",)))
+
+
+def test_a_camera_with_flaws_takes_the_probes_alone(tmp_path: Path, tone_model: Path) -> None:
+    flawed = Camera(supersampling=2, sensor=Sensor(100.0), name="flawed")
+    cache = RenderCache(tmp_path / "cache")
+    experiment = Verification(SETTINGS, cache, Engine(tone_model), flawed, PaintedMaker())
+    assert experiment.render(progress=False) == 12 * (1 + 3)
+    assert experiment.render(progress=False) == 0
+    (ours,) = experiment.outcomes()
+    (plain,) = trial(tmp_path, tone_model).outcomes()
+    assert torch.equal(ours.pictures["Gallery"], plain.pictures["Gallery"])
+    assert torch.equal(ours.pictures["Reference"], plain.pictures["Reference"])
+    assert ours.pictures["Probe"].shape == plain.pictures["Probe"].shape
+    assert not torch.equal(ours.pictures["Probe"], plain.pictures["Probe"])
