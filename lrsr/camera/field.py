@@ -89,17 +89,12 @@ def turn(
         >>> turn(corner, corner, 3.0).tolist()
         [0.0, 0.0]
     """
-    square = centre_mm.square().sum(-1, keepdim=True)
-    on_axis = square == 0
-    radius = torch.where(on_axis, torch.ones_like(square), square).sqrt()
-    outward = torch.where(on_axis, torch.zeros_like(centre_mm), centre_mm / radius)
-    hypotenuse = (square + focal_mm**2).sqrt()
-    cosine = focal_mm / hypotenuse
-    sine = torch.where(on_axis, torch.zeros_like(radius), radius) / hypotenuse
-    sine = -sine if back else sine
-    along = (points_mm * outward).sum(-1, keepdim=True)
-    ahead = along * sine + focal_mm * cosine
-    turned = points_mm + outward * (along * cosine - focal_mm * sine - along)
+    sign = -1 if back else 1
+    along = (points_mm * centre_mm).sum(-1, keepdim=True)
+    ray = (centre_mm.square().sum(-1, keepdim=True) + focal_mm**2).sqrt()
+    # Rodrigues' rotation, written so that nothing is divided by a centre's distance of 0.
+    turned = points_mm - centre_mm * (along / (ray + focal_mm) + sign * focal_mm) / ray
+    ahead = (sign * along + focal_mm**2) / ray
     return turned * focal_mm / ahead
 
 
