@@ -218,7 +218,7 @@ def bitmap(name: str, texture: NDArray[np.float32]) -> Any:
 
 def skin_surface(mesh: Any, textures: Mapping[str, Any]) -> Any:
     """Return what the tracer of translucent skin needs to know of a mesh with those textures."""
-    from lrsr.rendering.subsurface import SkinSurface
+    from lrsr.rendering.painted_skin import SkinSurface
 
     roughness = textures.get("roughness")
     if roughness is None:

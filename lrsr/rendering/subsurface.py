@@ -27,45 +27,14 @@ the surface and tangential probes would miss it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from lrsr.rendering.backend import start
-from lrsr.rendering.diffusion import curved_gain, scattering_albedo
-from lrsr.rendering.probing import Profile, find_exit, jitted
-from lrsr.rendering.reflection import RoughReflection
-from lrsr.rendering.skin import CHANNEL_NM, Skin
-
-
-@dataclass(frozen=True)
-class SkinSurface:
-    """A mesh of skin and what is painted on it.
-
-    Attributes:
-        mesh: ``mi.Mesh`` of the scene.
-        albedo: ``mi.Texture``, reflectance.
-        roughness: ``mi.Texture``, √α.
-        height: ``mi.Texture``, relief in mm; None: smooth.
-    """
-
-    mesh: Any
-    albedo: Any
-    roughness: Any
-    height: Any = None
-
-
-@dataclass(frozen=True)
-class Sampling:
-    """How exit points are sampled; no choice changes the mean.
-
-    Attributes:
-        normal_share: Of the probes along the normal; two tangents share the rest, 0..1.
-        least_lobe_share: Of the paths for each of the two ways, reflection and scattering, 0..0.5.
-    """
-
-    normal_share: float = 0.9
-    least_lobe_share: float = 0.1
+from lrsr.rendering.painted_skin import PaintedSkin, Sampling, SkinSurface
+from lrsr.rendering.probing import jitted
+from lrsr.rendering.skin import Skin
+from lrsr.rendering.skin_vertex import SkinVertex
 
 
 def subsurface_integrator(
@@ -108,7 +77,7 @@ def _integrator_class(variant: str) -> type:
         ) -> None:
             super().__init__(mi.Properties())
             self.surfaces = surfaces
-            self.tracer = _Tracer(skin, surfaces, max_depth, roulette_depth, sampling)
+            self.tracer = PaintedSkin(skin, surfaces, max_depth, roulette_depth, sampling)
 
         def sample(
             self,
@@ -125,120 +94,6 @@ def _integrator_class(variant: str) -> type:
     return SubsurfacePath
 
 
-class _Tracer:
-    """What the kernel needs to know of skin; all numbers opaque, so that no value recompiles."""
-
-    def __init__(
-        self,
-        skin: Skin,
-        surfaces: tuple[SkinSurface, ...],
-        max_depth: int,
-        roulette_depth: int,
-        sampling: Sampling,
-    ) -> None:
-        import drjit as dr
-
-        mi = start()
-        self.fixed = skin.fixed
-        self.surfaces = surfaces
-        self.pointers = [mi.ShapePtr(surface.mesh) for surface in surfaces]
-        self.reflection = RoughReflection(skin.refractive_index)
-        self.absorption = [dr.opaque(mi.Float, x) for x in skin.absorption_per_mm]
-        self.scattering = [dr.opaque(mi.Float, x) for x in skin.scattering_per_mm]
-        self.reach = dr.opaque(mi.Float, skin.reach_mm)
-        self.normal_share = dr.opaque(mi.Float, sampling.normal_share)
-        self.least_lobe_share = dr.opaque(mi.Float, sampling.least_lobe_share)
-        self.max_depth = dr.opaque(mi.UInt32, max_depth)
-        self.roulette_depth = dr.opaque(mi.UInt32, roulette_depth)
-
-    def find(self, hit: Any, active: Any) -> tuple[Any, Any]:
-        """Tell which hits are skin, and the normals of their triangles."""
-        import drjit as dr
-
-        mi = start()
-        skin, normal = mi.Bool(False), mi.Normal3f(0, 0, 1)
-        for pointer, surface in zip(self.pointers, self.surfaces, strict=True):
-            here = active & (hit.shape == pointer)
-            of_face = mi.Normal3f(surface.mesh.face_normal(hit.prim_index, here))
-            skin, normal = skin | here, dr.select(here, of_face, normal)
-        return skin, normal
-
-    def is_skin(self, si: Any) -> Any:
-        mi = start()
-        skin = mi.Bool(False)
-        for pointer in self.pointers:
-            skin |= si.shape == pointer
-        return skin
-
-    def look_up(self, si: Any, active: Any) -> tuple[Any, Any]:
-        """Return the albedo and the roughness of skin."""
-        import drjit as dr
-
-        mi = start()
-        albedo, roughness = mi.Spectrum(0.5), mi.Float(0.5)
-        for pointer, surface in zip(self.pointers, self.surfaces, strict=True):
-            here = active & (si.shape == pointer)
-            albedo = dr.select(here, mi.Spectrum(surface.albedo.eval(si, here)), albedo)
-            roughness = dr.select(here, surface.roughness.eval_1(si, here), roughness)
-        return albedo, roughness
-
-    def normal(self, si: Any, active: Any) -> Any:
-        """Return the shading normal with the relief on it."""
-        import drjit as dr
-
-        normal = si.sh_frame.n
-        for pointer, surface in zip(self.pointers, self.surfaces, strict=True):
-            if surface.height is not None:
-                here = active & (si.shape == pointer)
-                normal = dr.select(here, _bumped(si, surface.height, here), normal)
-        return normal
-
-    def profile(self, albedo: Any, wavelengths: Any) -> Profile:
-        """Return the diffusion profile of skin with that albedo of the entered light."""
-        scattering = _at_wavelengths(self.scattering, wavelengths)
-        if self.fixed == "scattering":
-            path = scattering_albedo(albedo) / scattering
-        else:
-            path = 1 / (scattering + _at_wavelengths(self.absorption, wavelengths))
-        return Profile(albedo, path, self.reach)
-
-
-def _at_wavelengths(channels: list[Any], wavelengths: Any) -> Any:
-    """Return a coefficient per channel, or where light has a spectrum, linear between those."""
-    import drjit as dr
-
-    mi = start()
-    if not mi.is_spectral:
-        return mi.Spectrum(*channels) if len(mi.Spectrum()) == 3 else mi.Spectrum(channels[1])
-    red, green, blue = CHANNEL_NM
-    low = dr.clip((wavelengths - blue) / (green - blue), 0, 1)
-    high = dr.clip((wavelengths - green) / (red - green), 0, 1)
-    below = dr.lerp(mi.Spectrum(channels[2]), channels[1], low)
-    return mi.Spectrum(dr.lerp(below, channels[0], high))
-
-
-def _bumped(si: Any, height: Any, active: Any) -> Any:
-    """Tilt the normal as Mitsuba's ``bumpmap`` does."""
-    import drjit as dr
-
-    mi = start()
-    normal = si.sh_frame.n
-    slope = height.eval_1_grad(si, active)
-    along_u = si.dp_du + normal * (slope.x - dr.dot(normal, si.dp_du))
-    along_v = si.dp_dv + normal * (slope.y - dr.dot(normal, si.dp_dv))
-    tilted = dr.normalize(dr.cross(along_u, along_v))
-    return mi.Normal3f(dr.mulsign(tilted, dr.dot(si.n, tilted)))
-
-
-def _curvature(here: Any, there: Any, side: Any) -> Any:
-    """Return one over the radius of the circle through two points with their normals, mm⁻¹."""
-    import drjit as dr
-
-    offset = there.p - here.p
-    turned = side * dr.dot(there.sh_frame.n - here.sh_frame.n, offset)
-    return turned / (dr.squared_norm(offset) + 1e-2)  # nearer than 0.1 mm it is noise
-
-
 def _mis(density: Any, other: Any) -> Any:
     """Return the power heuristic."""
     import drjit as dr
@@ -248,7 +103,7 @@ def _mis(density: Any, other: Any) -> Any:
     return dr.select(dr.isfinite(weight), weight, 0)
 
 
-def _trace(tracer: _Tracer, scene: Any, sampler: Any, ray: Any, active: Any) -> tuple[Any, Any]:
+def _trace(tracer: PaintedSkin, scene: Any, sampler: Any, ray: Any, active: Any) -> tuple[Any, Any]:
     """Follow paths from the camera; the loop is Mitsuba's ``path``, its skin is ours."""
     import drjit as dr
 
@@ -263,7 +118,7 @@ def _trace(tracer: _Tracer, scene: Any, sampler: Any, ray: Any, active: Any) -> 
     # What misses everything never comes here, and so costs none of what follows.
     while dr.hint(active, label="subsurface path"):
         skin = active & tracer.is_skin(si)
-        vertex = _Vertex(tracer, scene, sampler, si, ray, skin)
+        vertex = SkinVertex(tracer, scene, sampler, si, ray, skin)
 
         # What the surface of skin reflects of a light is seen from where the path arrived...
         seen, radiance = scene.sample_emitter_direction(si, sampler.next_2d(), True, skin)
@@ -311,94 +166,3 @@ def _trace(tracer: _Tracer, scene: Any, sampler: Any, ray: Any, active: Any) -> 
         light[active] += throughput * emitted
         active &= si.is_valid() & (depth < tracer.max_depth)
     return light, valid
-
-
-class _Vertex:
-    """What happens at a point of skin: light is reflected there, and enters at another point.
-
-    Both are lit at every vertex; the path goes on by one of them.
-
-    Attributes:
-        interaction: Where light enters; off skin, the point itself.
-        enters: Whether there is such a point.
-    """
-
-    def __init__(
-        self, tracer: _Tracer, scene: Any, sampler: Any, si: Any, ray: Any, skin: Any
-    ) -> None:
-        import drjit as dr
-
-        mi = start()
-        self._reflection = tracer.reflection
-        self._skin = skin
-        albedo, self._roughness = tracer.look_up(si, skin)
-        side = dr.mulsign(mi.Float(1), -dr.dot(si.n, ray.d))  # both sides of a sheet are skin
-        self._here = mi.Frame3f(side * tracer.normal(si, skin))
-        self._view = self._here.to_local(-ray.d)
-        reflected = self._reflection.directional(self._view.z, self._roughness)
-        self._entering = 1 - self._reflection.mean(self._roughness)
-        albedo = dr.clip(albedo / self._entering, 0, 1)
-        least = tracer.least_lobe_share
-        scattered = (1 - reflected) * dr.mean(albedo)
-        share = dr.clip(reflected / (reflected + scattered), least, 1 - least)
-        self._share = dr.select(self._view.z > 0, share, 0)
-
-        profile = tracer.profile(albedo, si.wavelengths)
-        exit_ = find_exit(
-            scene,
-            sampler,
-            si,
-            side * si.sh_frame.n,
-            profile,
-            tracer.find,
-            tracer.normal_share,
-            skin,
-        )
-        bend = _curvature(si, exit_.interaction, side)
-        gain = curved_gain(albedo, bend * profile.mean_free_path_mm)
-        self._through = exit_.weight * albedo * gain * (1 - reflected)
-        self.enters = dr.any(self._through != 0)
-        self.interaction = dr.select(
-            skin & self.enters, mi.Interaction3f(exit_.interaction), mi.Interaction3f(si)
-        )
-        self._there = mi.Frame3f(side * tracer.normal(exit_.interaction, skin & self.enters))
-
-    def reflect(self, direction: Any) -> tuple[Any, Any]:
-        """Return the lobe times cos θ for light from there, and the density of drawing it."""
-        light = self._here.to_local(direction)
-        value, density = self._reflection.eval_pdf(self._view, light, self._roughness)
-        return value, self._share * density
-
-    def enter(self, direction: Any) -> tuple[Any, Any]:
-        """Return what of that light enters and comes back, and the density of drawing it."""
-        import drjit as dr
-
-        cosine = dr.maximum(dr.dot(self._there.n, direction), 0)
-        value = self._through * (self._entered(cosine) * cosine * dr.inv_pi)
-        return value, (1 - self._share) * cosine * dr.inv_pi
-
-    def sample(self, choice: Any, uniform: Any) -> tuple[Any, Any, Any, Any]:
-        """Draw how the path goes on.
-
-        Args:
-            choice: Of the two ways, [0, 1).
-            uniform: Two numbers in [0, 1).
-
-        Returns:
-            The direction, its density, value over density, and whether skin reflected it.
-        """
-        import drjit as dr
-
-        mi = start()
-        mirrors = self._skin & (choice < self._share)
-        out, lobe_density, lobe = self._reflection.sample(self._view, self._roughness, uniform)
-        into = mi.warp.square_to_cosine_hemisphere(uniform)
-        other = 1 - self._share
-        density = dr.select(mirrors, self._share * lobe_density, other * into.z * dr.inv_pi)
-        through = self._through * (self._entered(into.z) / other)
-        weight = dr.select(mirrors, mi.Spectrum(lobe / self._share), through)
-        direction = dr.select(mirrors, self._here.to_world(out), self._there.to_world(into))
-        return direction, density, weight, mirrors
-
-    def _entered(self, cosine: Any) -> Any:
-        return (1 - self._reflection.directional(cosine, self._roughness)) / self._entering

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from oracles.heads import ball
 
 from lrsr.rendering.backend import start
+from lrsr.rendering.painted_skin import Sampling, SkinSurface
 from lrsr.rendering.skin import Skin
-from lrsr.rendering.subsurface import Sampling, SkinSurface, subsurface_integrator
+from lrsr.rendering.subsurface import subsurface_integrator
 
 SIDE = 24
 DISTANCE = 20.0

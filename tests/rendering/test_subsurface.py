@@ -14,10 +14,10 @@ from oracles.translucent import mean_of_ball
 from lrsr.images import linear_to_srgb
 from lrsr.rendering import stage
 from lrsr.rendering.diffusion import diffuse_albedo
+from lrsr.rendering.painted_skin import Sampling
 from lrsr.rendering.renderer import Renderer
 from lrsr.rendering.scene import LIGHTINGS, POSES
 from lrsr.rendering.skin import Skin, find_skin
-from lrsr.rendering.subsurface import Sampling
 
 SKIN1 = (0.74 / 0.772, 0.88 / 1.05, 1.01 / 1.49)
 
