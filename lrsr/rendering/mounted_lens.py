@@ -185,9 +185,9 @@ def _with_pupil(mounted: MountedLens, film_mm: float) -> MountedLens:
     heights, film = film[:, 0], film.repeat(17, axis=0)
     aims, seen = _aim_at_stop(mounted, film, rim)
     reach = np.where(seen, np.hypot(*(aims - mounted.pupil_middle_mm(film)).T), 0.0)
-    radius = 1.003 * edge  # a little more than light needs
-    larger = reach.reshape(17, 17).max(axis=1) * 1.001 - radius
-    growth = (larger[1:] / heights[1:] ** 2).max(initial=0.0)
+    widest = 1.002 * reach.reshape(17, 17).max(axis=1)
+    growth = max((widest[-1] - widest[0]) / heights[-1] ** 2, 0.0)
+    radius = max(1.003 * edge, float((widest - growth * heights**2).max()))
     mounted = replace(mounted, pupil_radius_mm=radius, pupil_growth_per_mm=float(growth))
     return replace(mounted, fall_off=_fall_off(mounted, film_mm), film_mm=film_mm)
 
