@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import torch
 
 from lrsr.camera.contract import check_setting
-from lrsr.camera.contract import check_setting
 from lrsr.camera.diffraction import check_positive
 from lrsr.camera.field import turn
 from lrsr.errors import InputError
@@ -169,7 +168,6 @@ def fit_distortion(
     check_positive(focal_mm=focal_mm)
     for size, angle in zip(half_sizes_mm, half_angles_deg, strict=True):
         check_positive(half_size_mm=size, half_angle_deg=angle)
-        check_setting("half_angle_deg", angle, angle < 90, "less than 90: a flat picture's edge")
         check_setting("half_angle_deg", angle, angle < 90, "less than 90: a flat picture's edge")
     radii = [size / focal_mm for size in half_sizes_mm]
     excess = [
