@@ -3,8 +3,8 @@
 The filters of a sensor overlap: raw = R · linear, with the 3 × 3 responses R to the primaries of
 sRGB. The camera multiplies the channels by the white balance's gains, so that its idea of white
 becomes grey, clips, and takes the overlap out by a colour matrix M, whose rows sum to 1 so that
-grey stays grey (J. Nakamura, Image Sensors and Signal Processing, CRC 2006, sec. 3.4 and 8.1).
-Noise grows in both. A white balance that misses leaves a cast.
+grey stays grey (J. Nakamura, Image Sensors and Signal Processing for Digital Still Cameras, CRC
+2006). Noise grows in both. A white balance that misses leaves a cast.
 """
 
 from collections.abc import Sequence

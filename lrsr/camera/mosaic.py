@@ -4,7 +4,7 @@ Every photosite of Bayer's mosaic (US patent 3,971,065, 1976) sees red, green or
 colours it lacks come from its neighbours. "bilinear" averages the nearest of that colour;
 "malvar" adds a part of the second difference of the colour that is there, because edges are the
 same in all three (H. S. Malvar, L. He, R. Cutler, ICASSP 2004, doi:10.1109/ICASSP.2004.1326587,
-eqs. 2-4 and fig. 2). Both are linear, so their gradient is exact. At the border the mosaic is
+fig. 2). Both are linear, so their gradient is exact. At the border the mosaic is
 mirrored about the outermost photosites, which keeps the colours in their places.
 """
 

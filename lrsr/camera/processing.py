@@ -2,7 +2,7 @@
 
 All of it works on the sRGB curve, on luminance (BT.601, Y = 0.299 R + 0.587 G + 0.114 B) and on
 the colour differences R - Y, G - Y, B - Y, as video chips do (J. Nakamura, Image Sensors and Signal
-Processing, CRC 2006, sec. 8.1.3).
+Processing for Digital Still Cameras, CRC 2006).
 """
 
 import torch

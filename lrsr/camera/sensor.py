@@ -6,7 +6,7 @@ noise; the converter rounds. The variance of a flat field then lies on the photo
 
     var = K (mean - black) + (K · read noise)² + 1/12        with K digital numbers per electron
 
-(J. R. Janesick, Photon Transfer, SPIE 2007, eq. 5.2; EMVA Standard 1288 release 4.0, eq. 13).
+(J. R. Janesick, Photon Transfer, SPIE 2007; the photon transfer method of EMVA Standard 1288).
 Fixed-pattern noise multiplies the light by a gain of each photosite, the same in every picture.
 """
 

@@ -18,7 +18,7 @@ def random_light(batch: int = 2) -> torch.Tensor:
 
 @pytest.mark.parametrize("differentiable", [False, True], ids=["poisson", "reparametrised"])
 def test_variance_against_mean_is_the_photon_transfer_line(differentiable: bool) -> None:
-    # EMVA 1288, eq. 13: var = K (mean - black) + (K read)^2 + 1/12. 12 e- of read noise, as a bad
+    # EMVA 1288: var = K (mean - black) + (K read)^2 + 1/12. 12 e- of read noise, as a bad
     # camera has, make the intercept measurable. 8 levels of 262144 photosites: slope +- 0.2 %,
     # intercept +- 0.3 %.
     sensor = Sensor(4000.0, read_noise_e=12.0, prnu=0.0, bits=14, black_level_dn=1000)

@@ -70,6 +70,16 @@ def test_every_named_lens_has_a_file(name: str) -> None:
         assert instantiate(config.lens) == LENSES[name]
 
 
+@pytest.mark.parametrize("name", sorted(path.stem for path in (FOLDER / "camera").glob("*.yaml")))
+def test_every_camera_can_be_chosen_and_says_where_its_numbers_come_from(name: str) -> None:
+    for command in ("render", "eval"):
+        overrides = ["out=x"] if command == "render" else []
+        config = OmegaConf.create(composed(command, f"camera={name}", *overrides))
+        assert config.camera.name == name
+    text = (FOLDER / "camera" / f"{name}.yaml").read_text()
+    assert name in {"reference", "ideal"} or "estimated" in text
+
+
 def test_a_lens_and_a_standpoint_can_be_changed_on_the_command_line() -> None:
     given = ["lens=single", "+lens.f_number=8", "standpoint=scface_near", "out=x"]
     config = OmegaConf.create(composed("render", *given, "+standpoint.eye_height_m=1.7"))
