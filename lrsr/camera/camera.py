@@ -31,7 +31,9 @@ class Camera(nn.Module):
     Each stage is off where it is None; without any this is the reference camera: exposure, sRGB
     curve, 8 bits, JPEG. The exposure is that of an incident-light meter
     (:mod:`lrsr.camera.exposure`): it depends on the lighting alone. No image sees another one of
-    its batch, and what is random follows from a seed for each image.
+    its batch, and what is random follows from a seed for each image. Where gradients reach the
+    light, noise is drawn otherwise: as strong (within 13 %), but a picture is as far from the true
+    one as two true ones of different seeds are (28-35 dB for the presets, 31 with H.264).
 
     Args:
         compression: "none", "small" or "heavy" (:data:`lrsr.camera.codec.COMPRESSIONS`): what

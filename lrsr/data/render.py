@@ -212,6 +212,7 @@ def write_pictures(
                     expression=find_expression(recipe.expression).name,
                     lens=find_lens(recipe.lens).name,
                     standpoint=find_standpoint(recipe.standpoint).name,
+                    flaws="" if camera.flawless else camera.name,
                 )
 
 
@@ -243,8 +244,11 @@ def write_picture(
     expression: str = "neutral",
     lens: str = "pinhole",
     standpoint: str = "level",
+    flaws: str = "",
 ) -> ManifestRow:
     """Write a picture, and its linear light where that is given; return its row.
+
+    The file's name says what is unusual about it; ``flaws`` is the name of a camera that has some.
 
     Raises:
         InputError: The folder cannot be written.
@@ -252,6 +256,7 @@ def write_picture(
     condition = f"{probe.kind}_{probe.pose}_{probe.lighting}_{probe.compression}"
     for name, usual in ((expression, "neutral"), (lens, "pinhole"), (standpoint, "level")):
         condition += f"_{name}" if name != usual else ""
+    condition += f"_{flaws}" if flaws else ""
     stem = re.sub(
         r"[^\w.-]+", "-", f"{probe.identity_id}_{condition}_ipd{probe.ipd_px:g}_x{probe.scale}"
     )

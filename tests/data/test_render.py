@@ -300,6 +300,8 @@ def test_only_the_probe_has_the_flaws_of_the_camera(
     assert sorted(made.scale for made in maker.renders) == [2, 4]
     probe, reference = sorted(read_manifest(settings.out), key=lambda row: row.scale)
     assert (probe.camera, reference.camera) == ("flawed", "reference")
+    assert probe.file == "test-00000_probe_frontal_frontal_none_flawed_ipd8_x1.png"
+    assert reference.file == "test-00000_probe_frontal_frontal_none_ipd8_x2.png"
     assert read_png(settings.out / probe.file).shape == (3, 32, 32)
     assert read_png(settings.out / probe.linear_file).shape == (3, 32, 32)
     plain = replace(settings, out=settings.out / "plain", camera=Camera(exposure_ev=-1.0))
