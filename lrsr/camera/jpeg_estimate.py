@@ -1,0 +1,233 @@
+"""How hard was a picture squeezed, and where did its blocks fall? From the pixels, or the file.
+
+In a decoded JPEG the DCT coefficients of luminance, taken on the grid of its blocks, lie near
+multiples of the steps of its quantisation table; on any other grid they lie anywhere (Z. Fan,
+R. de Queiroz, IEEE Trans. Image Processing 12(2), 2003, doi:10.1109/TIP.2002.807361, sec. III).
+Every grid and every table of the Independent JPEG Group's scale is tried, and the likeliest taken.
+Told apart are: the grid modulo 8 (of a 4:2:0 file's 16 pixels the colours alone know the rest) and
+the last compression of several. Not told: chroma sub-sampling, and qualities from about 96 on,
+whose steps drown in the rounding of the decoded levels. H.264 leaves no such table.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from lrsr.camera.contract import check_light
+from lrsr.camera.processing import luminance
+from lrsr.errors import ImageContractError
+
+BLOCK_PX = 8
+ROUNDING = 0.4
+"""Standard deviation of a coefficient after decoding: luminance and three colours are rounded."""
+LEAST = 1.5
+"""Smaller coefficients may be rounded zeros, which say nothing about the step."""
+OUTLIERS = 0.02
+"""Share of coefficients that clipping has moved away from any multiple."""
+EVIDENCE = 0.05
+"""Mean log-likelihood ratio a coefficient, against no table at all, that a table has to reach."""
+ENOUGH = 50
+"""Coefficients at least; fewer prove nothing."""
+SAMPLE = 64
+"""Coefficients of each frequency that a grid is chosen by; the quality is found with all."""
+
+# Annex K.1 of ITU-T T.81, luminance, row by row.
+_TABLE = """16 11 10 16 24 40 51 61 12 12 14 19 26 58 60 55 14 13 16 24 40 57 69 56 14 17 22 29 51
+87 80 62 18 22 37 56 68 109 103 77 24 35 55 64 81 104 113 92 49 64 78 87 103 121 120 101 72 92 95 98
+112 100 103 99"""
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JpegEstimate:
+    """What was found.
+
+    Attributes:
+        quality: Of the Independent JPEG Group's scale, 1-100.
+        origin_px: ``(x, y)`` of the first pixel within its block, 0..7 each.
+        evidence: Mean log-likelihood ratio a coefficient, nats, against pictures without blocks.
+    """
+
+    quality: int
+    origin_px: tuple[int, int]
+    evidence: float
+
+
+def luminance_table(quality: int) -> Floats:
+    """Return the steps ``(8, 8)`` (down, right) of luminance that libjpeg uses at a quality.
+
+    Args:
+        quality: 1-100.
+
+    Example:
+        >>> luminance_table(75)[0, :4].tolist()
+        [8.0, 6.0, 5.0, 8.0]
+    """
+    scale = 5000 // quality if quality < 50 else 200 - 2 * quality
+    table = np.array(_TABLE.split(), dtype=np.int64).reshape(BLOCK_PX, BLOCK_PX)
+    return ((table * scale + 50) // 100).clip(1, 255).astype(np.float64)
+
+
+def nearest_quality(table: Floats) -> int:
+    """Return the quality whose luminance table ``(8, 8)`` is nearest, by mean log ratio.
+
+    Example:
+        >>> nearest_quality(luminance_table(40))
+        40
+    """
+    distance = [
+        float(np.abs(np.log(np.asarray(table) / luminance_table(quality))).mean())
+        for quality in range(1, 101)
+    ]
+    return 1 + int(np.argmin(distance))
+
+
+def estimate_jpeg(srgb: torch.Tensor) -> JpegEstimate | None:
+    """Find quality and grid of pictures that went through the same JPEG.
+
+    Args:
+        srgb: ``(B, 3, H, W)``, [0, 1], multiples of 1/255, H and W >= 16; 20 pictures are plenty.
+
+    Returns:
+        The likeliest; None if the pictures show no blocks.
+
+    Raises:
+        ImageContractError: The images break the contract or are smaller than 16 × 16.
+    """
+    check_light(srgb, name="srgb")
+    if min(srgb.shape[-2:]) < 2 * BLOCK_PX:
+        raise ImageContractError(f"srgb: got {tuple(srgb.shape)}, wanted H and W >= 16")
+    clipped = ((srgb <= 0) | (srgb >= 1)).any(1).numpy()
+    levels = luminance(srgb)[:, 0].double().mul(255).numpy() - 128
+    grids = [(x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX)]
+    chances = [_likeliest(_coefficients(levels, clipped, grid), SAMPLE)[1] for grid in grids]
+    grid = grids[int(np.argmax(chances))]
+    quality, evidence = _likeliest(_coefficients(levels, clipped, grid))
+    return JpegEstimate(quality, grid, evidence) if evidence > EVIDENCE else None
+
+
+def _coefficients(levels: Floats, clipped: NDArray[np.bool_], grid: tuple[int, int]) -> Floats:
+    """Return the DCT ``(n, 8, 8)`` of every whole block without clipping, which moves them all."""
+    blocks, spoilt = _blocks(levels, *grid), _blocks(clipped, *grid)
+    return np.asarray(_DCT @ blocks[~spoilt.any((1, 2))] @ _DCT.T)
+
+
+def _blocks(planes: NDArray[Any], x: int, y: int) -> NDArray[Any]:
+    """Cut ``(B, H, W)`` into the whole blocks of a grid that begins ``(x, y)`` before it."""
+    cut = planes[:, -y % BLOCK_PX :, -x % BLOCK_PX :]
+    rows, columns = (side // BLOCK_PX for side in cut.shape[1:])
+    cut = cut[:, : rows * BLOCK_PX, : columns * BLOCK_PX]
+    blocks = cut.reshape(len(cut), rows, BLOCK_PX, columns, BLOCK_PX).transpose(0, 1, 3, 2, 4)
+    return np.asarray(blocks.reshape(-1, BLOCK_PX, BLOCK_PX))
+
+
+def _likeliest(coefficients: Floats, most: int | None = None) -> tuple[int, float]:
+    """Return the best quality for coefficients ``(n, 8, 8)`` and its mean log-likelihood ratio.
+
+    ``most``: of each frequency, that many at most are looked at.
+    """
+    total, count = np.zeros(101), 0
+    for row in range(BLOCK_PX):
+        for column in range(BLOCK_PX):
+            if row == column == 0:
+                continue  # sums of clipped pixels, and no zeros to compare with
+            seen = np.abs(coefficients[:, row, column])
+            seen = seen[seen > LEAST][:most]
+            count += len(seen)
+            total[1:] += _log_ratios(seen)[_STEPS[1:, row, column]]
+    if count < ENOUGH:
+        return 100, 0.0
+    best = 1 + int(np.argmax(total[1:]))
+    return best, float(total[best]) / count
+
+
+def _log_ratios(seen: Floats) -> Floats:
+    """Return for every step 0..255 how much likelier it makes these than a smooth density does.
+
+    A coefficient that is not zero lies at a multiple of the step, the first or a later one, blurred
+    by rounding; the smooth density, spread over a step, cancels.
+    """
+    largest = float(seen.max(initial=0.0))
+    steps = np.arange(256, dtype=np.float64).clip(1)
+    considered = steps[:, None] <= 2 * largest + 8  # a larger step explains none of them
+    multiple = np.maximum(np.rint(seen / steps[:, None]), 1)
+    miss = (seen - multiple * steps[:, None]) / ROUNDING
+    likely = steps[:, None] * np.exp(-0.5 * miss**2) / (ROUNDING * math.sqrt(2 * math.pi))
+    ratios = np.log((1 - OUTLIERS) * np.where(considered, likely, 0.0) + OUTLIERS)
+    return np.asarray(ratios.sum(axis=1))
+
+
+def read_jpeg_settings(file: bytes) -> tuple[int, str] | None:
+    """Read quality and chroma sub-sampling from the tables of a JPEG file.
+
+    Args:
+        file: Its bytes.
+
+    Returns:
+        The quality whose luminance table is nearest to the file's, and e.g. "4:2:0" ("4:4:4" for a
+        file without colour); None for another kind of file, a broken one, or rare sub-sampling.
+
+    Example:
+        >>> read_jpeg_settings(b"GIF89a") is None
+        True
+    """
+    if not file.startswith(b"\xff\xd8"):
+        return None
+    table, chroma = None, None
+    for marker, content in _segments(file):
+        if marker == 0xDB:
+            table = _first_table(content) if table is None else table
+        elif marker in (0xC0, 0xC1, 0xC2):
+            chroma = _chroma(content)
+    if table is None or chroma is None:
+        return None
+    return nearest_quality(table), chroma
+
+
+def _segments(file: bytes) -> Sequence[tuple[int, bytes]]:
+    """Return marker and content of everything before the scan."""
+    found, place = [], 2
+    while place + 4 <= len(file) and file[place] == 0xFF and file[place + 1] != 0xDA:
+        length = int.from_bytes(file[place + 2 : place + 4], "big")
+        found.append((file[place + 1], file[place + 4 : place + 2 + length]))
+        place += 2 + length
+    return found
+
+
+def _first_table(content: bytes) -> Floats | None:
+    """Return table 0 (luminance) of a DQT segment, from its zigzag order."""
+    place = 0
+    while place < len(content):
+        wide, number = content[place] >> 4, content[place] & 15
+        size = 128 if wide else 64
+        steps = np.frombuffer(content[place + 1 : place + 1 + size], ">u2" if wide else "u1")
+        if number == 0 and len(steps) == 64 and steps.min() > 0:
+            table = np.empty(64)
+            table[_ZIGZAG] = steps
+            return table.reshape(BLOCK_PX, BLOCK_PX)
+        place += 1 + size
+    return None
+
+
+def _chroma(frame: bytes) -> str | None:
+    """Return the sub-sampling that a start-of-frame segment says."""
+    if len(frame) < 9:
+        return None
+    if frame[5] == 1:
+        return "4:4:4"
+    return {0x11: "4:4:4", 0x21: "4:2:2", 0x22: "4:2:0"}.get(frame[7])
+
+
+_ANGLES = (2 * np.arange(8) + 1)[None] * np.arange(8)[:, None] * math.pi / 16
+_DCT: Floats = np.cos(_ANGLES) * np.where(np.arange(8)[:, None] == 0, math.sqrt(1 / 8), 0.5)
+_STEPS = np.stack([np.ones((8, 8)), *(luminance_table(q) for q in range(1, 101))]).astype(int)
+_ZIGZAG = sorted(
+    range(64),
+    key=lambda k: (k // 8 + k % 8, k // 8 if (k // 8 + k % 8) % 2 else k % 8),
+)
