@@ -1,0 +1,160 @@
+"""What can be told of a camera from pictures of strangers? A few numbers a picture.
+
+Their mean over many pictures depends on the camera and on the population, not on who is shown:
+
+- log power of luminance in rings of spatial frequency: blur takes from the high ones, sharpening
+  raises the middle ones, noise fills them up;
+- log variance of what the mask of J. Immerkær (Computer Vision and Image Understanding 64(2),
+  1996, doi:10.1006/cviu.1996.0060, eq. 2) leaves of luminance and of both colour differences, in
+  the smooth half of four ranges of brightness: the photon-transfer line, var = K · mean + read
+  noise²;
+- quantiles of luminance: exposure and contrast;
+- log ratios of the channels' mean linear light: the colour cast;
+- log spread of the colour differences: saturation.
+
+Only the middle of a picture counts, since what stands behind a real face is not what the renderer
+puts there.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import torch
+from torch.nn import functional as F
+
+from lrsr.camera.camera import Camera
+from lrsr.camera.contract import check_light, check_setting
+from lrsr.camera.processing import luminance
+from lrsr.errors import ImageContractError
+from lrsr.images import srgb_to_linear
+
+SMALLEST_PX = 12
+"""Side of the middle part at least: fewer frequencies than rings otherwise."""
+RINGS = (0.06, 0.12, 0.18, 0.24, 0.3, 0.36, 0.42, 0.5, 0.75)
+"""Edges of the rings of spatial frequency, cycles a pixel."""
+QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+RANGES = 4
+"""Ranges of brightness, each a quarter of the pixels."""
+ROUNDING = 1 / 12
+"""Variance that rounding to 8 bits leaves, levels²: the least a variance can mean anything."""
+MTF_CYCLES = 0.1
+"""Where the lens's blur is compared with a Gaussian's, cycles a pixel: below any zero."""
+
+NAMES = (
+    *(f"log_power_{low:g}_{high:g}" for low, high in pairwise(RINGS)),
+    *(f"log_noise_{what}_{k}" for what in ("luma", "red", "blue") for k in range(1, RANGES + 1)),
+    *(f"luminance_{100 * quantile:g}" for quantile in QUANTILES),
+    "log_red_green",
+    "log_blue_green",
+    "log_spread_red",
+    "log_spread_blue",
+)
+"""Names of the columns of :func:`describe`."""
+
+
+def describe(srgb: torch.Tensor, part: float = 0.75) -> torch.Tensor:
+    """Return the numbers of each picture.
+
+    Args:
+        srgb: ``(B, 3, H, W)``, [0, 1].
+        part: Share of the sides that counts, about the middle, > 0 to 1.
+
+    Returns:
+        ``(B, len(NAMES))`` float64: powers and variances in levels² (of 255), logs natural.
+
+    Raises:
+        ImageContractError: The images break the contract, or the middle part is under 12 px.
+        InputError: ``part`` is out of range.
+    """
+    check_light(srgb, name="srgb")
+    middle = crop(srgb, part).double()
+    luma = 255 * luminance(middle)[:, 0]
+    columns = [
+        _ring_powers(luma),
+        _noise(luma, luma),
+        _noise(255 * middle[:, 0] - luma, luma),
+        _noise(255 * middle[:, 2] - luma, luma),
+        luma.flatten(1).quantile(torch.tensor(QUANTILES, dtype=torch.float64), dim=1).T,
+        _colours(middle, luma),
+    ]
+    return torch.cat(columns, dim=1)
+
+
+def crop(images: torch.Tensor, part: float) -> torch.Tensor:
+    """Return the middle ``part`` of the sides of ``(B, C, H, W)``.
+
+    Raises:
+        ImageContractError: Less than 12 pixels are left of a side.
+        InputError: ``part`` is not above 0 and at most 1.
+
+    Example:
+        >>> crop(torch.zeros(1, 3, 32, 40), 0.75).shape[-2:]
+        torch.Size([24, 30])
+    """
+    check_setting("part", part, 0 < part <= 1, "a share > 0 to 1")
+    height, width = images.shape[-2:]
+    tall, wide = (round(part * side) for side in (height, width))
+    if min(tall, wide) < SMALLEST_PX:
+        raise ImageContractError(
+            f"pictures of {width} x {height} px: their middle {part:g} is under {SMALLEST_PX} px; "
+            "take larger ones or more of them"
+        )
+    top, left = (height - tall) // 2, (width - wide) // 2
+    return images[..., top : top + tall, left : left + wide]
+
+
+def _ring_powers(luma: torch.Tensor) -> torch.Tensor:
+    """Return the log mean power ``(B, rings)``; white noise gives its variance in each."""
+    height, width = luma.shape[-2:]
+    window = torch.outer(_hann(height), _hann(width))
+    centred = luma - (luma * window).sum((1, 2), keepdim=True) / window.sum()
+    power = torch.fft.fft2(centred * window).abs().square() / window.square().sum()
+    rows, columns = (torch.fft.fftfreq(side, dtype=torch.float64) for side in (height, width))
+    radius = torch.hypot(rows[:, None], columns[None])
+    rings = [power[:, (radius >= low) & (radius < high)].mean(1) for low, high in pairwise(RINGS)]
+    return torch.stack(rings, 1).add(ROUNDING).log()
+
+
+def _hann(side: int) -> torch.Tensor:
+    return torch.from_numpy(np.hanning(side + 2)[1:-1])
+
+
+def _noise(signal: torch.Tensor, luma: torch.Tensor) -> torch.Tensor:
+    """Return log variances ``(B, RANGES)``, from the darkest quarter to the brightest."""
+    mask = torch.tensor([[1.0, -2, 1], [-2, 4, -2], [1, -2, 1]], dtype=torch.float64) / 6
+    left = F.conv2d(signal[:, None], mask[None, None])[:, 0].flatten(1).square()
+    local = F.avg_pool2d(luma[:, None], 3, stride=1)[:, 0].flatten(1)
+    ordered = left.gather(1, local.argsort(dim=1, stable=True))
+    variances = []
+    for group in ordered.tensor_split(RANGES, dim=1):
+        smooth = group.sort(dim=1).values[:, : group.shape[1] // 2]
+        # Of a normal variable, the smaller half of the squares has the mean 0.1426 of all.
+        variances.append(smooth.mean(1) / 0.1426)
+    return torch.stack(variances, 1).add(ROUNDING).log()
+
+
+def _colours(srgb: torch.Tensor, luma: torch.Tensor) -> torch.Tensor:
+    red, green, blue = srgb_to_linear(srgb).mean((2, 3)).add(1e-4).log().unbind(1)
+    spread = (255 * srgb[:, (0, 2)] - luma[:, None]).std((2, 3)).square().add(ROUNDING).log() / 2
+    return torch.stack([red - green, blue - green, spread[:, 0], spread[:, 1]], 1)
+
+
+def lens_blur_px(camera: Camera) -> float:
+    """Return σ of the Gaussian that blurs as a camera's lens does, px of the sensor.
+
+    The one with the lens's modulation transfer in green at 0.1 cycles a pixel, averaged over both
+    directions; the pixel's own aperture is not in it. A lens without blur has 0.
+
+    Raises:
+        InputError: The lens is too blurred for that: nothing is left at that frequency.
+    """
+    if camera.optics is None:
+        return 0.0
+    kernel = camera.optics.point_spread(
+        supersampling=camera.supersampling, field_mm=camera.field_mm
+    )[0, 1].double()
+    at = torch.arange(len(kernel), dtype=torch.float64) - len(kernel) // 2
+    wave = torch.cos(2 * torch.pi * MTF_CYCLES / camera.supersampling * at)
+    transfer = float((kernel.sum(0) @ wave + kernel.sum(1) @ wave) / 2)
+    check_setting("blur", transfer, transfer > 0.01, "a lens with some contrast at 0.1 cycles/px")
+    return float(np.sqrt(-2 * np.log(min(transfer, 1.0))) / (2 * np.pi * MTF_CYCLES))
