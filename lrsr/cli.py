@@ -7,11 +7,14 @@ interrupted. ``--debug`` anywhere on the line shows the traceback instead of the
 import importlib
 import logging
 import os
+import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from lrsr import __version__
@@ -43,6 +46,9 @@ COMMANDS = {
     "identities": Command(
         "contact sheet, who they are, uniqueness check", "lrsr.tasks:run_identities"
     ),
+    "fit-camera": Command(
+        "a camera preset from real pictures in images=DIR", "lrsr.tasks:run_fit_camera"
+    ),
     "models": Command("list, verify and pull weights (not in this version)"),
 }
 
@@ -59,6 +65,8 @@ examples:
   lrsr render identities.count=3 pose=left lighting=above ipd_px=8 out=probes
   lrsr train sr=srcnn4x identities.count=300
   lrsr identities identities.count=1500 identities.sex=female
+  lrsr fit-camera images=probes name=lobby
+  lrsr render camera=runs/fit-camera/.../lobby.yaml out=probes
 
 lrsr COMMAND --help lists what can be overridden; lrsr COMMAND --cfg job prints the configuration.
 """
@@ -116,11 +124,38 @@ def _run(name: str, overrides: list[str]) -> None:
     failures: list[Exception] = []
     task = _task(command.task, failures)
     try:
-        hydra.main(version_base="1.3", config_path=str(folder), config_name=name)(task)()
+        with _given_camera(overrides) as words:
+            sys.argv[1:] = words
+            hydra.main(version_base="1.3", config_path=str(folder), config_name=name)(task)()
     finally:
         sys.argv = arguments
     if failures:
         raise failures[0]
+
+
+@contextmanager
+def _given_camera(overrides: list[str]) -> Iterator[list[str]]:
+    """Let ``camera=PATH.yaml`` name a file: it becomes an option of the group for this run.
+
+    Raises:
+        InputError: There is no such file.
+    """
+    paths = [word.removeprefix("camera=") for word in overrides if _CAMERA_FILE.fullmatch(word)]
+    if not paths:
+        yield overrides
+        return
+    path = Path(paths[-1]).expanduser()
+    if not path.is_file():
+        raise InputError(f"camera={path}: no such file; give a preset's name or its .yaml file")
+    with TemporaryDirectory() as folder:
+        option = Path(folder) / "camera" / "given_file.yaml"  # no shipped preset's name
+        option.parent.mkdir()
+        option.write_bytes(path.read_bytes())
+        others = [word for word in overrides if not _CAMERA_FILE.fullmatch(word)]
+        yield [*others, "camera=given_file", "--config-dir", folder]
+
+
+_CAMERA_FILE = re.compile(r"camera=.+\.ya?ml")
 
 
 def _task(path: str, failures: list[Exception]) -> "Callable[[DictConfig], None]":

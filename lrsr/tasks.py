@@ -101,6 +101,20 @@ def run_identities(config: "DictConfig") -> Path:
     )
 
 
+def run_fit_camera(config: "DictConfig") -> Path:
+    """Estimate a camera from real pictures; see :mod:`lrsr.experiments.fit_camera`.
+
+    Raises:
+        InputError: A setting is wrong, or the pictures cannot be used.
+    """
+    from lrsr.experiments.fit_camera import fit_settings, fit_to_folder  # torch takes seconds
+
+    settings = fit_settings(config)
+    folder = _run_folder()
+    write_provenance(folder, config)
+    return fit_to_folder(settings, folder, cache=_cache(config))
+
+
 def run_train(config: "DictConfig") -> Path:
     """Train SRCNN or an embedder on probes rendered on the fly, into the run folder.
 

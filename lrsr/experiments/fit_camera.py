@@ -1,0 +1,324 @@
+"""What does ``lrsr fit-camera`` do? It finds a camera that takes pictures like a folder's."""
+
+import logging
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import torch
+
+from lrsr.camera.camera import Camera
+from lrsr.camera.fitting import LEAST_IMAGES, Fit, fit_camera
+from lrsr.camera.jpeg_estimate import estimate_jpeg
+from lrsr.camera.parameters import NAMES as FITTED
+from lrsr.camera.parameters import with_jpeg, with_values
+from lrsr.camera.statistics import NAMES as STATISTICS
+from lrsr.camera.statistics import lens_blur_px
+from lrsr.configuration import number, require, section, whole_number
+from lrsr.data.cache import RenderCache
+from lrsr.data.maker import Maker, mitsuba_maker
+from lrsr.data.probes import filmed, load_radiances, render_missing
+from lrsr.data.recipe import ProbeRecipe
+from lrsr.errors import InputError
+from lrsr.experiments.fit_report import write_fit_report
+from lrsr.experiments.real_pictures import RealPictures, read_real_pictures
+from lrsr.experiments.settings import IdentityRange, RenderingSettings
+from lrsr.files import write_json, write_text
+from lrsr.rendering.geometry import FRAME_IPDS
+from lrsr.rendering.radiance import Radiance
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+    from lrsr.identities.face.expression import Expression
+    from lrsr.rendering.lens import Lens
+    from lrsr.rendering.scene import Lighting, Pose
+    from lrsr.rendering.standpoint import Standpoint
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """Everything that ``lrsr fit-camera`` can be told.
+
+    Attributes:
+        images: Folder of the pictures.
+        preset: Plain mapping of the camera that the search starts from; what is not fitted stays.
+        name: Of the new preset.
+        identities: The strangers that are rendered, 20 or more.
+        rendering: How light becomes a film.
+        ipd_px: Of the pictures, px; None: a quarter of their width.
+        part: Share of the sides that counts, about the middle.
+        seed: Of samplers and noise.
+        pose: Of the strangers, as far as known of the people in the pictures.
+        lighting: The same.
+        expression: The same.
+        lens: The same.
+        standpoint: The same.
+
+    Raises:
+        InputError: A value is out of range.
+    """
+
+    images: Path
+    preset: Mapping[str, Any]
+    name: str = "fitted"
+    identities: IdentityRange = field(
+        default_factory=lambda: IdentityRange(split="train", count=60)
+    )
+    rendering: RenderingSettings = field(default_factory=RenderingSettings)
+    ipd_px: float | None = None
+    part: float = 0.75
+    seed: int = 0
+    pose: "str | Pose" = "frontal"
+    lighting: "str | Lighting" = "frontal"
+    expression: "str | Expression" = "neutral"
+    lens: "str | Lens" = "pinhole"
+    standpoint: "str | Standpoint" = "level"
+
+    def __post_init__(self) -> None:
+        plain = re.fullmatch(r"\w[\w-]*", self.name) is not None
+        require(plain, "name", self.name, "letters, digits, _ and -")
+        count = self.identities.count
+        require(count >= LEAST_IMAGES, "identities.count", count, f"at least {LEAST_IMAGES}")
+        require(0 < self.part <= 1, "part", self.part, "a share > 0 to 1")
+        if self.ipd_px is not None:
+            require(self.ipd_px >= 4, "ipd_px", self.ipd_px, "at least 4")
+
+
+def fit_settings(config: "DictConfig") -> FitSettings:
+    """Read the settings of ``lrsr fit-camera`` from its composed configuration.
+
+    Raises:
+        InputError: A value is out of range; the message names the setting and the remedy.
+    """
+    from hydra.utils import instantiate  # loaded by then
+    from omegaconf import OmegaConf
+
+    preset = OmegaConf.to_container(config.camera, resolve=True)
+    groups = ("pose", "lighting", "expression", "lens", "standpoint")
+    return FitSettings(
+        images=Path(str(config.images)).expanduser().resolve(),
+        preset={str(key): value for key, value in dict(preset).items()},  # type: ignore[arg-type]
+        name=str(config.name),
+        identities=section(IdentityRange, config, "identities"),
+        rendering=section(RenderingSettings, config, "rendering"),
+        ipd_px=None if config.ipd_px is None else number(config, "ipd_px"),
+        part=number(config, "part"),
+        seed=whole_number(config, "seed"),
+        **{group: instantiate(config[group]) for group in groups},
+    )
+
+
+def fit_to_folder(
+    settings: FitSettings,
+    folder: Path,
+    *,
+    cache: Path,
+    maker: Maker | None = None,
+    progress: bool = True,
+) -> Path:
+    """Fit; write ``NAME.yaml``, ``results.json``, figures and ``report.html``.
+
+    Args:
+        settings: What is asked.
+        folder: Of the run.
+        cache: Folder of the render cache.
+        maker: Renders the strangers; Mitsuba when None.
+        progress: Show a bar on stderr.
+
+    Returns:
+        ``folder``.
+
+    Raises:
+        InputError: The pictures cannot be used, or a folder cannot be written.
+    """
+    real = read_real_pictures(settings.images, LEAST_IMAGES)
+    preset = _stored_like(settings.preset, real)
+    strangers = _render(settings, real, Strangers.supersampling_of(preset), cache, maker, progress)
+    real = real.cropped(strangers.size_px)
+    preset["origin_px"] = list(real.origin_px)
+    with_values(preset, dict.fromkeys(FITTED, 1.0))  # refuses a preset that lacks a stage
+    fit = fit_camera(
+        real.srgb,
+        lambda values: strangers.trial(with_values(preset, values)),
+        part=settings.part,
+    )
+    fitted = {**with_values(preset, fit.plain), "name": settings.name}
+    blur_px = lens_blur_px(_camera(fitted))
+    write_text(folder / f"{settings.name}.yaml", preset_text(fitted, fit, real, blur_px))
+    write_json(folder / "results.json", _results(fit, real, blur_px, fitted))
+    pictures = {
+        "Real": real.srgb,
+        "Before": strangers.photographed(_camera(dict(settings.preset))),
+        "After": strangers.photographed(_camera(fitted)),
+    }
+    write_fit_report(folder, settings.name, fit, real, fitted, blur_px, pictures, settings.seed)
+    logger.info("camera=%s", folder / f"{settings.name}.yaml")
+    return folder
+
+
+@dataclass(frozen=True)
+class Strangers:
+    """Rendered people on their films, ready to be photographed again and again.
+
+    Attributes:
+        linear: ``(k, 3, S H, S W)``, scene-referred light.
+        metered: ``(k,)``.
+        supersampling: S.
+        seed: Of the noise.
+    """
+
+    linear: torch.Tensor
+    metered: torch.Tensor
+    supersampling: int
+    seed: int
+
+    @staticmethod
+    def supersampling_of(preset: Mapping[str, Any]) -> int:
+        """Return how much finer than the picture a preset wants its film."""
+        return int(preset.get("supersampling", 1))
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """(height, width) of a picture."""
+        height, width = self.linear.shape[-2:]
+        return height // self.supersampling, width // self.supersampling
+
+    def photographed(self, camera: Camera) -> torch.Tensor:
+        """Return the pictures ``(k, 3, H, W)`` that a camera takes of them."""
+        seeds = [self.seed + k for k in range(len(self.linear))]
+        with torch.no_grad():
+            pictures: torch.Tensor = camera(self.linear, self.metered, seeds)
+        return pictures
+
+    def trial(self, preset: Mapping[str, Any]) -> torch.Tensor:
+        """Photograph with a preset, so that a small change of it changes the pictures little.
+
+        Shot noise is that of the differentiable sensor: the same normal numbers in every trial,
+        where Poisson's would be drawn anew. The file is the true codec's.
+        """
+        from hydra.utils import instantiate
+
+        stored = instantiate(preset.get("stored"))
+        camera = _camera({**preset, "stored": None, "codec": "differentiable"})
+        pictures = self.photographed(camera)
+        if stored is None:
+            return pictures
+        kept: torch.Tensor = stored(pictures[None], origin_px=tuple(preset["origin_px"]))
+        return kept
+
+    def cropped(self, size_px: tuple[int, int]) -> "Strangers":
+        """Return the middle of that (height, width), or less where there is not as much."""
+        finer = self.supersampling
+        tall, wide = (min(a, b) for a, b in zip(self.size_px, size_px, strict=True))
+        top, left = (self.size_px[0] - tall) // 2, (self.size_px[1] - wide) // 2
+        rows = slice(finer * top, finer * (top + tall))
+        columns = slice(finer * left, finer * (left + wide))
+        return Strangers(self.linear[..., rows, columns], self.metered, finer, self.seed)
+
+
+def preset_text(fitted: Mapping[str, Any], fit: Fit, real: RealPictures, blur_px: float) -> str:
+    """Return a preset as YAML, headed by how well each value is known."""
+    from omegaconf import OmegaConf
+
+    lines = [
+        f"# Fitted by lrsr fit-camera to {len(real.srgb)} pictures; strangers, no references.",
+        f"# The lens blurs as a Gaussian of {blur_px:.2f} px.",
+        "# Not to be told from such pictures: gain from full well, exposure from albedo.",
+    ]
+    for name, one in fit.values.items():
+        doubt = "" if one.known else ", mostly the guess: the pictures do not show it"
+        lines.append(f"# {name} {one.value:.4g}, standard error {one.error:.2g}{doubt}")
+    return "\n".join([*lines, OmegaConf.to_yaml(OmegaConf.create(dict(fitted)))])
+
+
+def _stored_like(preset: Mapping[str, Any], real: RealPictures) -> dict[str, Any]:
+    """Return the preset with the compression that the files, else the pixels, show."""
+    if real.jpeg is not None:
+        return with_jpeg(preset, real.jpeg[0], real.jpeg[1], (0, 0))
+    found = estimate_jpeg(real.srgb)
+    if found is None:
+        return with_jpeg(preset, None, "4:2:0", (0, 0))
+    return with_jpeg(preset, found.quality, "4:2:0", found.origin_px)
+
+
+def _render(
+    settings: FitSettings,
+    real: RealPictures,
+    finer: int,
+    cache: Path,
+    maker: Maker | None,
+    progress: bool,
+) -> Strangers:
+    """Render who is not in the cache yet, and cut the films to the pictures' size."""
+    maker, store = maker or mitsuba_maker(), RenderCache(cache)
+    camera, people = Camera(supersampling=finer), settings.identities
+    ipd_px = settings.ipd_px or max(4.0, real.size_px[1] / FRAME_IPDS)
+    recipes = [
+        filmed(
+            ProbeRecipe(
+                split=people.split,  # type: ignore[arg-type]  # checked there
+                index=index,
+                pose=settings.pose,
+                lighting=settings.lighting,
+                expression=settings.expression,
+                lens=settings.lens,
+                standpoint=settings.standpoint,
+                ipd_px=ipd_px,
+                samples_per_pixel=settings.rendering.samples_at(ipd_px),
+                texture_size=settings.rendering.texture_size,
+                skin=settings.rendering.skin,
+                max_depth=settings.rendering.max_depth,
+                population=people.cast.population,
+                draw=people.cast.draw(people.split, index),
+            ).seeded(settings.seed),
+            camera,
+        )
+        for index in range(people.start, people.start + people.count)
+    ]
+    render_missing(recipes, store, progress=progress, maker=maker)
+    radiances: list[Radiance] = load_radiances(recipes, store, progress=progress, maker=maker)
+    linear = torch.stack([radiance.image for radiance in radiances])
+    metered = torch.tensor([radiance.metered for radiance in radiances])
+    return Strangers(linear, metered, finer, settings.seed).cropped(real.size_px)
+
+
+def _camera(preset: Mapping[str, Any]) -> Camera:
+    from hydra.utils import instantiate
+
+    camera: Camera = instantiate(dict(preset))
+    if not isinstance(camera, Camera):
+        raise InputError(f"camera={preset.get('name')} is no camera: give one of conf/camera")
+    return camera
+
+
+def _results(
+    fit: Fit, real: RealPictures, blur_px: float, fitted: Mapping[str, Any]
+) -> dict[str, Any]:
+    return {
+        "pictures": len(real.srgb),
+        "size_px": list(real.size_px),
+        "values": {name: asdict(value) for name, value in fit.values.items()},
+        "blur_px": blur_px,
+        "read_noise_e": fitted["sensor"]["read_noise_e"],
+        "jpeg": fitted["stored"],
+        "origin_px": fitted["origin_px"],
+        "misfit": {"before": fit.misfit_before, "after": fit.misfit_after},
+        "statistics": {
+            name: {"real": real_, "before": before, "after": after, "spread": spread}
+            for name, real_, before, after, spread in zip(
+                STATISTICS,
+                fit.measured.tolist(),
+                fit.before.tolist(),
+                fit.after.tolist(),
+                fit.spread.tolist(),
+                strict=True,
+            )
+        },
+        "trials": fit.trials,
+        "preset": dict(fitted),
+    }

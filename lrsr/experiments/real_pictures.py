@@ -1,0 +1,92 @@
+"""Which pictures lie in a folder? Real ones of one camera, of one size, without references."""
+
+import statistics
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import torch
+
+from lrsr.camera.jpeg_estimate import read_jpeg_settings
+from lrsr.data.png import read_png
+from lrsr.errors import InputError
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
+
+
+@dataclass(frozen=True)
+class RealPictures:
+    """Pictures of one camera.
+
+    Attributes:
+        srgb: ``(n, 3, H, W)``, [0, 1].
+        jpeg: Quality and chroma sub-sampling that the files themselves say; None if they are none.
+        origin_px: ``(x, y)`` of the first pixel in what the files held.
+    """
+
+    srgb: torch.Tensor
+    jpeg: tuple[int, str] | None = None
+    origin_px: tuple[int, int] = (0, 0)
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """(height, width)."""
+        return self.srgb.shape[-2], self.srgb.shape[-1]
+
+    def cropped(self, size_px: tuple[int, int]) -> "RealPictures":
+        """Return the middle of that (height, width), or less where there is not as much."""
+        tall, wide = (min(a, b) for a, b in zip(self.size_px, size_px, strict=True))
+        top, left = (self.size_px[0] - tall) // 2, (self.size_px[1] - wide) // 2
+        x, y = self.origin_px
+        middle = self.srgb[..., top : top + tall, left : left + wide]
+        return replace(self, srgb=middle, origin_px=(x + left, y + top))
+
+
+def read_real_pictures(folder: Path, least: int) -> RealPictures:
+    """Read every picture of a folder (not below it); other files are passed over.
+
+    Args:
+        folder: Holds PNG, JPEG, BMP, TIFF, WebP or PPM files.
+        least: How many there must be.
+
+    Raises:
+        InputError: No such folder, no or too few pictures in it, a broken one, or several sizes.
+    """
+    if not folder.is_dir():
+        raise InputError(f"images={folder} is no folder: give one that holds pictures")
+    files = sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
+    files = [file for file in files if file.is_file() and not file.stem.endswith("_linear16")]
+    if not files:
+        kinds = ", ".join(suffix[1:] for suffix in SUFFIXES)
+        raise InputError(f"images={folder} holds no pictures: put files in it ({kinds})")
+    if len(files) < least:
+        raise InputError(
+            f"images={folder} holds {len(files)} pictures: give at least {least}, better 50, of "
+            "different people"
+        )
+    pictures = {file: read_png(file) for file in files}
+    _check_sizes(pictures)
+    return RealPictures(torch.stack(list(pictures.values())), _jpeg_of(files))
+
+
+def _check_sizes(pictures: dict[Path, torch.Tensor]) -> None:
+    sizes = Counter(tuple(picture.shape[1:]) for picture in pictures.values())
+    if len(sizes) == 1:
+        return
+    usual = sizes.most_common(1)[0][0]
+    odd = next(file for file, picture in pictures.items() if tuple(picture.shape[1:]) != usual)
+    height, width = pictures[odd].shape[1:]
+    raise InputError(
+        f"{odd} has {width} x {height} px, most others {usual[1]} x {usual[0]}: crop all to one "
+        "size (do not rescale them), or give each size a folder"
+    )
+
+
+def _jpeg_of(files: list[Path]) -> tuple[int, str] | None:
+    """Return what the files say of themselves: the middle quality, the commonest sub-sampling."""
+    found = [read_jpeg_settings(file.read_bytes()) for file in files]
+    known = [one for one in found if one is not None]
+    if len(known) < len(files):
+        return None
+    chroma = Counter(one[1] for one in known).most_common(1)[0][0]
+    return int(statistics.median_low([one[0] for one in known])), chroma

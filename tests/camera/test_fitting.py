@@ -1,0 +1,114 @@
+"""Two cameras of a few lines, so that what has to come out is known, and a whole one."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+import torch
+
+from lrsr.camera.fitting import Fit, fit_camera
+from lrsr.camera.parameters import Parameter
+from lrsr.camera.processing import sharpen, tone
+from lrsr.camera.smoothing import gaussian_blur
+from lrsr.errors import InputError
+
+TOY = (
+    Parameter("blur_px", 0.7, 0.1, 2.4, 1.0, True, "Gaussian"),
+    Parameter("noise", 0.01, 0.0005, 0.1, 1.0, True, "after the blur"),
+    Parameter("sharpen_amount", 0.5, 0.0, 5.0, 1.0, False, "after the noise"),
+    Parameter("contrast", 1.0, 0.4, 2.5, 0.2, True, "at the end"),
+    Parameter("weather", 2.0, 0.1, 9.0, 0.5, False, "has no effect"),
+)
+HIDDEN = {"blur_px": 1.1, "noise": 0.02, "sharpen_amount": 1.0, "contrast": 0.8, "weather": 5.0}
+
+
+def people(seed: int, count: int = 30) -> torch.Tensor:
+    """Patches of random tones with sharp edges: nobody twice."""
+    generator = torch.Generator().manual_seed(seed)
+    tones = 0.25 + 0.5 * torch.rand(count, 3, 6, 6, generator=generator)
+    return torch.nn.functional.interpolate(tones, size=(32, 32), mode="nearest")
+
+
+def shoot(scene: torch.Tensor, values: Mapping[str, float], seed: int) -> torch.Tensor:
+    blurred = gaussian_blur(scene, values["blur_px"])
+    noise = torch.randn(scene.shape, generator=torch.Generator().manual_seed(seed))
+    sharp = sharpen(blurred + values["noise"] * noise, 1.0, values["sharpen_amount"])
+    return tone(sharp, values["contrast"]).clamp(0, 1).mul(255).round() / 255
+
+
+@pytest.fixture(scope="module")
+def fit() -> Fit:
+    strangers = people(2, 36)
+    real = shoot(people(1), HIDDEN, seed=8)
+    return fit_camera(
+        real, lambda values: shoot(strangers, values, seed=9), parameters=TOY, rounds=5
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerance"),
+    [("blur_px", 0.1), ("noise", 0.1), ("sharpen_amount", 0.35), ("contrast", 0.1)],
+)
+def test_hidden_parameters_are_recovered_from_other_people(
+    fit: Fit, name: str, tolerance: float
+) -> None:
+    assert fit.plain[name] == pytest.approx(HIDDEN[name], rel=tolerance)
+
+
+@pytest.mark.parametrize("name", ["blur_px", "noise", "contrast"])
+def test_what_the_pictures_show_is_known(fit: Fit, name: str) -> None:
+    found = fit.values[name]
+    assert found.known
+    assert abs(found.value - HIDDEN[name]) < 4 * found.error
+
+
+def test_what_has_no_effect_stays_at_the_guess_and_is_said_to_be_unknown(fit: Fit) -> None:
+    weather = fit.values["weather"]
+    assert weather.value == pytest.approx(2.0, abs=1e-3)
+    assert weather.error == pytest.approx(0.5, rel=1e-3)  # the guess's own doubt
+    assert not weather.known
+
+
+def test_the_statistics_agree_afterwards(fit: Fit) -> None:
+    assert fit.misfit_before > 10 * fit.misfit_after
+    assert fit.misfit_after < 2
+    away = (fit.after - fit.measured) / fit.spread
+    assert abs(away).max() < 4
+
+
+def test_the_same_question_has_the_same_answer() -> None:
+    real, strangers = shoot(people(1, 20), HIDDEN, 8), people(2, 20)
+    answers = [
+        fit_camera(real, lambda v: shoot(strangers, v, 9), parameters=TOY, rounds=1)
+        for _ in range(2)
+    ]
+    assert answers[0].plain == answers[1].plain
+
+
+def test_a_value_never_leaves_its_range() -> None:
+    tight = (replace(TOY[0], low=0.5, high=0.9), *TOY[1:])
+    real, strangers = shoot(people(1, 20), HIDDEN, 8), people(2, 20)
+    tried: list[float] = []
+
+    def camera(values: Mapping[str, float]) -> torch.Tensor:
+        tried.append(values["blur_px"])
+        return shoot(strangers, values, 9)
+
+    found = fit_camera(real, camera, parameters=tight, rounds=3)
+    assert 0.5 <= min(tried) <= max(tried) <= 0.9
+    assert found.trials == len(tried)
+
+
+def test_too_few_pictures_are_refused() -> None:
+    with pytest.raises(InputError, match="19 pictures to fit: give at least 20"):
+        fit_camera(people(1, 19), lambda _: people(2))
+
+
+def test_too_few_strangers_are_refused() -> None:
+    with pytest.raises(InputError, match="5 rendered people: give at least 20"):
+        fit_camera(people(1), lambda _: people(2, 5))
+
+
+def test_no_round_at_all_is_refused() -> None:
+    with pytest.raises(InputError, match="rounds=0"):
+        fit_camera(people(1), lambda _: people(2), rounds=0)

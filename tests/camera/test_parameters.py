@@ -1,0 +1,82 @@
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hydra.utils import instantiate
+from omegaconf import OmegaConf
+
+from lrsr.camera.camera import Camera
+from lrsr.camera.parameters import PARAMETERS, Parameter, with_jpeg, with_values
+from lrsr.errors import InputError
+from lrsr.paths import config_folder
+
+VALUES = {
+    "blur_px": 1.0,
+    "sharpen_amount": 0.7,
+    "read_noise": 0.01,
+    "white_e": 2000.0,
+    "exposure_ev": 0.5,
+    "cast_red": 1.2,
+    "cast_blue": 0.8,
+    "contrast": 0.9,
+    "saturation": 1.1,
+}
+
+
+def preset(name: str = "generic") -> dict[str, Any]:
+    plain = OmegaConf.to_container(OmegaConf.load(Path(config_folder(), "camera", f"{name}.yaml")))
+    assert isinstance(plain, dict)
+    return {str(key): value for key, value in plain.items()}
+
+
+def test_values_reach_the_stages_of_the_camera() -> None:
+    camera = instantiate(with_values(preset(), VALUES))
+    assert isinstance(camera, Camera)
+    assert camera.sensor is not None
+    assert camera.processing is not None
+    assert camera.colour is not None
+    assert (camera.sensor.white_e, camera.sensor.read_noise_e) == (2000.0, 20.0)
+    assert camera.processing.sharpen_amount == 0.7
+    assert camera.exposure_ev == 0.5
+    red, green, blue = camera.colour.white_balance
+    plain = instantiate(preset()).colour.white_balance
+    assert red / plain[0] == pytest.approx(1.2)
+    assert (green / plain[1], blue / plain[2]) == pytest.approx((1.0, 0.8))
+
+
+def test_defocus_is_the_disk_of_that_sigma() -> None:
+    optics = with_values(preset(), VALUES)["optics"]
+    radius_um = optics["defocus_um"] / (2 * optics["f_number"])
+    assert radius_um / 2 / optics["pitch_um"] == pytest.approx(1.0)  # σ of a disk: half its radius
+
+
+def test_the_given_preset_is_left_as_it_is() -> None:
+    given = preset()
+    with_jpeg(with_values(given, VALUES), 30, "4:4:4", (1, 2))
+    assert given == preset()
+
+
+@pytest.mark.parametrize(("name", "lacks"), [("reference", "optics"), ("ideal", "colour")])
+def test_a_preset_without_a_stage_is_refused(name: str, lacks: str) -> None:
+    with pytest.raises(InputError, match=f"{name} has no {lacks}.*camera=generic"):
+        with_values(preset(name), VALUES)
+
+
+def test_a_lens_without_blur_is_refused() -> None:
+    sharp = preset() | {"optics": {"pitch_um": 2.65}}
+    with pytest.raises(InputError, match=r"optics\.f_number"):
+        with_values(sharp, VALUES)
+
+
+def test_a_preset_stores_as_it_is_told() -> None:
+    camera = instantiate(with_jpeg(preset(), 42, "4:2:2", (3, 4)))
+    assert (camera.stored.qualities, camera.stored.chroma) == ((42,), "4:2:2")
+    assert camera.origin_px == (3, 4)
+    assert instantiate(with_jpeg(preset(), None, "4:2:0", (0, 0))).stored is None
+
+
+@pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda one: one.name)
+def test_a_coordinate_is_a_value(parameter: Parameter) -> None:
+    assert parameter.coordinate(parameter.start) == 0
+    for value in (parameter.low, parameter.high):
+        assert parameter.value(parameter.coordinate(value)) == pytest.approx(value)

@@ -1,0 +1,90 @@
+import math
+
+import pytest
+import torch
+from scipy.special import j1
+
+from lrsr.camera.camera import Camera
+from lrsr.camera.optics import Optics
+from lrsr.camera.statistics import NAMES, RANGES, RINGS, crop, describe, lens_blur_px
+from lrsr.errors import ImageContractError, InputError
+
+RINGS_COUNT = len(RINGS) - 1
+
+
+def grey_noise(sigma_levels: float, count: int = 100) -> torch.Tensor:
+    generator = torch.Generator().manual_seed(1)
+    noise = torch.randn(count, 1, 32, 32, generator=generator) * sigma_levels / 255
+    return (0.5 + noise).expand(-1, 3, -1, -1)
+
+
+@pytest.mark.parametrize("sigma", [2.0, 8.0])
+def test_white_noise_has_its_variance_in_every_ring_and_range(sigma: float) -> None:
+    numbers = describe(grey_noise(sigma)).exp().mean(0)
+    assert torch.allclose(numbers[:RINGS_COUNT] / sigma**2, torch.tensor(1.0).double(), rtol=0.1)
+    noise = numbers[RINGS_COUNT : RINGS_COUNT + RANGES] / sigma**2
+    assert torch.allclose(noise, torch.tensor(1.0).double(), rtol=0.15)
+
+
+def test_twice_the_red_light_is_a_red_green_ratio_twice_as_high() -> None:
+    red = NAMES.index("log_red_green")
+    light = torch.full((2, 3, 16, 16), 0.2)
+    light[1, 0] = 0.4
+    srgb = torch.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    once, twice = describe(srgb)[:, red].tolist()
+    assert twice - once == pytest.approx(math.log(2), abs=1e-3)
+
+
+def test_quantiles_of_a_ramp_are_its_levels() -> None:
+    ramp = torch.linspace(0, 1, 21)[None, None, None].expand(1, 3, 21, 21)
+    first = NAMES.index("luminance_5")
+    found = (describe(ramp, part=1.0)[0, first : first + 5] / 255).tolist()
+    assert found == pytest.approx([0.05, 0.25, 0.5, 0.75, 0.95], abs=0.005)
+
+
+def test_what_lies_outside_the_middle_does_not_count() -> None:
+    pictures = grey_noise(3.0, 4)
+    framed = pictures.clone()
+    framed[..., :4, :], framed[..., :, -4:] = 1.0, 0.0
+    assert torch.equal(describe(pictures), describe(framed))
+
+
+def test_numbers_belong_to_one_picture_alone() -> None:
+    pictures = grey_noise(3.0, 4)
+    assert torch.allclose(describe(pictures)[2:3], describe(pictures[2:3]), atol=1e-9)
+
+
+def test_the_middle_of_a_small_picture_is_refused() -> None:
+    with pytest.raises(ImageContractError, match="under 12 px"):
+        describe(torch.zeros(1, 3, 14, 14))
+
+
+@pytest.mark.parametrize("part", [0.0, 1.5])
+def test_no_part_of_a_picture_is_refused(part: float) -> None:
+    with pytest.raises(InputError, match="share"):
+        crop(torch.zeros(1, 3, 32, 32), part)
+
+
+def test_pictures_of_one_channel_are_refused() -> None:
+    with pytest.raises(ImageContractError, match="srgb"):
+        describe(torch.zeros(1, 1, 32, 32))
+
+
+@pytest.mark.parametrize("sigma_px", [1.0, 2.0])
+def test_wide_defocus_blurs_as_its_disk_does(sigma_px: float) -> None:
+    defocus = Optics(f_number=1.4, pitch_um=2.65, defocus_um=4 * 1.4 * 2.65 * sigma_px)
+    phase = 2 * math.pi * 0.1 * 2 * sigma_px  # a disk of radius 2 σ, at 0.1 cycles a pixel
+    transfer = 2 * j1(phase) / phase
+    expected = math.sqrt(-2 * math.log(transfer)) / (2 * math.pi * 0.1)
+    found = lens_blur_px(Camera(optics=defocus, supersampling=2))
+    assert found == pytest.approx(expected, rel=0.09)  # the rest is diffraction
+
+
+def test_without_a_lens_nothing_is_blurred() -> None:
+    assert lens_blur_px(Camera()) == 0.0
+
+
+def test_a_blur_beyond_measure_is_refused() -> None:
+    optics = Optics(f_number=1.4, pitch_um=2.65, defocus_um=60.0)
+    with pytest.raises(InputError, match="contrast"):
+        lens_blur_px(Camera(optics=optics))
