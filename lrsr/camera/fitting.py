@@ -110,7 +110,7 @@ def fit_camera(
             ``(k, 3, H, W)``, with the same noise each time.
         parameters: What to search for.
         part: Share of the sides that counts; see :func:`lrsr.camera.statistics.describe`.
-        rounds: Steps of Gauss and Newton at most, >= 1.
+        rounds: Steps of Gauss and Newton at most, >= 1, at each of :data:`STEPS`.
 
     Returns:
         The parameters and how well they agree.

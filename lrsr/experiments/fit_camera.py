@@ -52,6 +52,7 @@ class FitSettings:
         rendering: How light becomes a film.
         ipd_px: Of the pictures, px; None: a quarter of their width.
         part: Share of the sides that counts, about the middle.
+        rounds: Steps of the search at most, for each of its three scales.
         seed: Of samplers and noise.
         pose: Of the strangers, as far as known of the people in the pictures.
         lighting: The same.
@@ -72,6 +73,7 @@ class FitSettings:
     rendering: RenderingSettings = field(default_factory=RenderingSettings)
     ipd_px: float | None = None
     part: float = 0.75
+    rounds: int = 12
     seed: int = 0
     pose: "str | Pose" = "frontal"
     lighting: "str | Lighting" = "frontal"
@@ -84,6 +86,7 @@ class FitSettings:
         require(plain, "name", self.name, "letters, digits, _ and -")
         count = self.identities.count
         require(count >= LEAST_IMAGES, "identities.count", count, f"at least {LEAST_IMAGES}")
+        require(self.rounds >= 1, "rounds", self.rounds, "at least 1")
         require(0 < self.part <= 1, "part", self.part, "a share > 0 to 1")
         if self.ipd_px is not None:
             require(self.ipd_px >= 4, "ipd_px", self.ipd_px, "at least 4")
@@ -108,6 +111,7 @@ def fit_settings(config: "DictConfig") -> FitSettings:
         rendering=section(RenderingSettings, config, "rendering"),
         ipd_px=None if config.ipd_px is None else number(config, "ipd_px"),
         part=number(config, "part"),
+        rounds=whole_number(config, "rounds"),
         seed=whole_number(config, "seed"),
         **{group: instantiate(config[group]) for group in groups},
     )
@@ -140,12 +144,13 @@ def fit_to_folder(
     preset = _stored_like(settings.preset, real)
     strangers = _render(settings, real, Strangers.supersampling_of(preset), cache, maker, progress)
     real = real.cropped(strangers.size_px)
-    preset["origin_px"] = list(real.origin_px)
+    preset["origin_px"] = [a + b for a, b in zip(preset["origin_px"], real.origin_px, strict=True)]
     with_values(preset, dict.fromkeys(FITTED, 1.0))  # refuses a preset that lacks a stage
     fit = fit_camera(
         real.srgb,
         lambda values: strangers.trial(with_values(preset, values)),
         part=settings.part,
+        rounds=settings.rounds,
     )
     fitted = {**with_values(preset, fit.plain), "name": settings.name}
     blur_px = lens_blur_px(_camera(fitted))
