@@ -151,8 +151,9 @@ def _given_camera(overrides: list[str]) -> Iterator[list[str]]:
         option = Path(folder) / "camera" / "given_file.yaml"  # no shipped preset's name
         option.parent.mkdir()
         option.write_bytes(path.read_bytes())
-        others = [word for word in overrides if not _CAMERA_FILE.fullmatch(word)]
-        yield [*others, "camera=given_file", "--config-dir", folder]
+        # In its place: Hydra's parser wants all overrides side by side.
+        words = [_CAMERA_FILE.sub("camera=given_file", word) for word in overrides]
+        yield [*words, "--config-dir", folder]
 
 
 _CAMERA_FILE = re.compile(r"camera=.+\.ya?ml")

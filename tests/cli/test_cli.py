@@ -21,7 +21,7 @@ def test_no_word_at_all_is_help(capsys: pytest.CaptureFixture[str]) -> None:
     assert "usage: lrsr COMMAND" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("command", ["demo", "render", "train", "eval", "identities"])
+@pytest.mark.parametrize("command", ["demo", "render", "train", "eval", "identities", "fit-camera"])
 def test_cfg_job_prints_the_configuration_from_an_empty_folder(
     command: str, tmp_path: Path
 ) -> None:

@@ -13,7 +13,7 @@ from lrsr.rendering.lens import LENSES
 
 FOLDER = config_folder()
 EXPERIMENTS = sorted(path.stem for path in (FOLDER / "experiment").glob("*.yaml"))
-COMMANDS = ("demo", "eval", "identities", "render", "train")
+COMMANDS = ("demo", "eval", "fit-camera", "identities", "render", "train")
 
 
 def composed(command: str, *overrides: str) -> dict[str, object]:

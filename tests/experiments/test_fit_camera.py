@@ -1,0 +1,159 @@
+"""``lrsr fit-camera`` from files to preset, with people made of paint."""
+
+import html
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+from fakes.painted import PaintedMaker
+from hydra.utils import instantiate
+from omegaconf import OmegaConf
+
+from lrsr.camera.parameters import with_jpeg, with_values
+from lrsr.camera.statistics import lens_blur_px
+from lrsr.data.png import write_png
+from lrsr.errors import InputError
+from lrsr.experiments.fit_camera import FitSettings, Strangers, fit_to_folder
+from lrsr.experiments.fit_report import NOT_DONE
+from lrsr.experiments.settings import IdentityRange, RenderingSettings
+from lrsr.paths import config_folder
+
+HIDDEN = {
+    "blur_px": 1.0,
+    "sharpen_amount": 0.8,
+    "read_noise": 0.02,
+    "white_e": 3000.0,
+    "exposure_ev": 0.0,
+    "cast_red": 0.9,
+    "cast_blue": 1.2,
+    "contrast": 0.9,
+    "saturation": 1.0,
+}
+
+
+def plain(path: Path) -> dict[str, Any]:
+    values = OmegaConf.to_container(OmegaConf.load(path))
+    assert isinstance(values, dict)
+    return {str(key): value for key, value in values.items()}
+
+
+def films(indices: range) -> Strangers:
+    """Return painted people of the test split, whom the fit does not see."""
+    from lrsr.data.recipe import ProbeRecipe
+
+    maker = PaintedMaker()
+    recipes = [ProbeRecipe(split="test", index=k, scale=2, seed=k) for k in indices]
+    light = torch.stack([maker.render(maker.head(one), one).image for one in recipes])
+    return Strangers(light, torch.ones(len(light)), 2, seed=500)
+
+
+def settings(images: Path, **changes: Any) -> FitSettings:
+    return replace(
+        FitSettings(
+            images=images,
+            preset=plain(config_folder() / "camera" / "generic.yaml"),
+            name="lobby",
+            identities=IdentityRange(split="train", count=20),
+            rendering=RenderingSettings(samples_per_pixel=4, texture_size=8),
+            part=1.0,
+            rounds=2,
+        ),
+        **changes,
+    )
+
+
+@pytest.fixture(scope="module")
+def hidden() -> Mapping[str, Any]:
+    preset = plain(config_folder() / "camera" / "generic.yaml")
+    return with_jpeg(with_values(preset, HIDDEN), 80, "4:2:0", (3, 5))
+
+
+@pytest.fixture(scope="module")
+def images(tmp_path_factory: pytest.TempPathFactory, hidden: Mapping[str, Any]) -> Path:
+    folder = tmp_path_factory.mktemp("real")
+    for k, picture in enumerate(films(range(20)).photographed(instantiate(hidden))):
+        write_png(folder / f"{k:02d}.png", picture)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, images: Path) -> Path:
+    run = tmp_path_factory.mktemp("run")
+    return fit_to_folder(
+        settings(images), run, cache=run / "cache", maker=PaintedMaker(), progress=False
+    )
+
+
+def test_the_preset_is_a_camera_like_the_hidden_one(
+    folder: Path, hidden: Mapping[str, Any]
+) -> None:
+    fitted, camera = plain(folder / "lobby.yaml"), instantiate(hidden)
+    found = instantiate(fitted)
+    assert found.name == "lobby"
+    assert lens_blur_px(found) == pytest.approx(lens_blur_px(camera), rel=0.2)
+    assert found.stored.qualities == (80,)
+    assert found.origin_px == (3, 5)
+    red, green, blue = found.colour.white_balance
+    true_red, true_green, true_blue = camera.colour.white_balance
+    assert red / green == pytest.approx(true_red / true_green, rel=0.1)
+    assert blue / green == pytest.approx(true_blue / true_green, rel=0.1)
+
+
+def test_the_results_say_what_is_known_and_how_well(folder: Path) -> None:
+    results = json.loads((folder / "results.json").read_text())
+    assert results["pictures"] == 20
+    assert results["misfit"]["after"] < 0.3 * results["misfit"]["before"]
+    assert set(results["values"]) == set(HIDDEN)
+    assert results["values"]["blur_px"]["known"]
+    assert results["preset"] == plain(folder / "lobby.yaml")
+
+
+def test_the_report_says_what_was_found_and_what_cannot_be(folder: Path) -> None:
+    page = html.unescape((folder / "report.html").read_text())
+    assert "JPEG quality 80, grid from (5, 3) on, from the pixels." in page
+    assert all(sentence in page for sentence in NOT_DONE)
+    assert page.count("<img") == 3 * 8 + 1
+    assert (folder / "statistics.png").stat().st_size > 1000
+
+
+def test_a_preset_without_a_lens_is_refused_before_anything_is_fitted(
+    images: Path, tmp_path: Path
+) -> None:
+    flawless = plain(config_folder() / "camera" / "reference.yaml")
+    with pytest.raises(InputError, match="reference has no optics"):
+        fit_to_folder(
+            settings(images, preset=flawless),
+            tmp_path,
+            cache=tmp_path / "cache",
+            maker=PaintedMaker(),
+            progress=False,
+        )
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"identities": IdentityRange(count=19)}, "identities.count=19: wanted at least 20"),
+        ({"rounds": 0}, "rounds=0: wanted at least 1"),
+        ({"part": 0.0}, "part=0.0"),
+        ({"ipd_px": 2.0}, "ipd_px=2.0: wanted at least 4"),
+        ({"name": "../lobby"}, "name=../lobby: wanted letters"),
+    ],
+    ids=["people", "rounds", "part", "ipd", "name"],
+)
+def test_a_setting_out_of_range_is_refused(changes: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        settings(Path("nowhere"), **changes)
+
+
+def test_a_small_change_of_a_trial_changes_the_pictures_little() -> None:
+    people = films(range(3))
+    preset = with_jpeg(plain(config_folder() / "camera" / "generic.yaml"), None, "4:2:0", (0, 0))
+    once = people.trial(with_values(preset, HIDDEN))
+    again = people.trial(with_values(preset, HIDDEN | {"exposure_ev": 0.001}))
+    other = Strangers(people.linear, people.metered, 2, seed=7).trial(with_values(preset, HIDDEN))
+    assert (once - again).abs().mean() < 0.05 * (once - other).abs().mean()
