@@ -20,6 +20,13 @@ any; read noise in electrons only as well as the electrons at white. Exposure on
 subjects' albedo, and contrast with the lighting's; the cast relative to the rendered population's
 skin, hair and light. What in these pictures the guess decides rather than the pictures is marked:
 ``known`` is false.
+
+Measured on 50 pictures of 32 x 32 of each of three hidden cameras, unlike the start only in what is
+fitted, against 100 strangers (JPEG 75 | JPEG 90 | not compressed): blur +2, -6, 0 %; quality exact;
+read noise as a share of white -10, -20, -10 %; gains within 2 %. Electrons at white were off by
++84, -59, -30 %, and with them read noise in electrons; sharpening by +44, -6, +10 %. Those standard
+errors of electrons were too small. Noise that the strangers' renderings have is taken from the
+camera's: give them samples enough.
 """
 
 from collections.abc import Callable, Mapping, Sequence
