@@ -38,9 +38,9 @@ def fresnel(cosine: ArrayLike, refractive_index: float) -> NDArray[np.float64]:
     near = np.asarray(cosine, dtype=np.float64)
     squared_sine = (1 - near**2) / refractive_index**2
     far = np.sqrt(np.clip(1 - squared_sine, 0, 1))
-    senkrecht = (near - refractive_index * far) / (near + refractive_index * far)
+    perpendicular = (near - refractive_index * far) / (near + refractive_index * far)
     parallel = (refractive_index * near - far) / (refractive_index * near + far)
-    return np.asarray(np.where(squared_sine >= 1, 1.0, (senkrecht**2 + parallel**2) / 2))
+    return np.asarray(np.where(squared_sine >= 1, 1.0, (perpendicular**2 + parallel**2) / 2))
 
 
 def directional_albedo(cosine: ArrayLike, slope: float, refractive_index: float) -> Any:

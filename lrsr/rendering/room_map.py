@@ -77,4 +77,4 @@ def _overlap(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.f
     """Return how long each old interval ``(N + 1,)`` overlaps each new one, ``(N, M)``."""
     low = np.maximum(old[:-1, None], new[None, :-1])
     high = np.minimum(old[1:, None], new[None, 1:])
-    return np.clip(high - low, 0, None)
+    return np.asarray(np.clip(high - low, 0, None))
