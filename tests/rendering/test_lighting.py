@@ -36,6 +36,11 @@ def test_the_configuration_offers_what_the_tables_hold(name: str) -> None:
     assert instantiate(config) == find_lighting(name)
 
 
+def test_the_configuration_offers_no_lighting_beyond_the_tables_a_lamp_and_a_map() -> None:
+    files = {path.stem for path in (config_folder() / "lighting").glob("*.yaml")}
+    assert files == {*LIGHTINGS, *ROOMS, "lamp", "map"}
+
+
 def test_a_lamp_is_given_on_the_command_line() -> None:
     config = OmegaConf.load(config_folder() / "lighting" / "lamp.yaml")
     config.panels[0].kelvin = 3000

@@ -30,6 +30,12 @@ LIP_LINE_MM = (-72.3, 7.4)
 """Height of the template's lip line, and the depth of the foremost inside of its lips."""
 CORNER_MM = 24.6
 """Half the width of the template's mouth."""
+FRONT_TEETH_MM = 15.0
+"""How far from the middle the front teeth reach."""
+BEHIND_LIPS_MM = 3.0
+"""Least depth of front teeth behind the skin before them: lips that recede take them along."""
+NEAR_MM = 3.5
+"""How far aside skin counts as before a tooth: about the mesh's width at the lips."""
 MUCOSA = (0.33, 0.105, 0.10)
 """Reflectance of the inside of lips and cheeks: blood under a wet skin without pigment
 (estimated from photographs)."""
@@ -179,8 +185,18 @@ def place_jaws(jaws: Jaws, rest: BaseHead, units: Mapping[str, float]) -> NDArra
     points[:, 0] *= np.clip(np.sqrt(width), 0.85, 1.1)
     line = rest.skin[meeting].mean(axis=0)
     depth = rest.skin[behind, 2].min()
-    points += np.array([line[0], line[1] - LIP_LINE_MM[0], depth - LIP_LINE_MM[1]])
-    return points.astype(np.float32)
+    place = np.array([line[0], line[1] - LIP_LINE_MM[0], depth - LIP_LINE_MM[1]])
+    place[2] -= _excess_mm(jaws.vertices + place, rest)
+    return (points + place).astype(np.float32)
+
+
+def _excess_mm(points: Points, rest: BaseHead) -> float:
+    """Tell how far front teeth must go back to stand :data:`BEHIND_LIPS_MM` behind all lips."""
+    points = points[np.abs(points[:, 0]) < FRONT_TEETH_MM]
+    skin = rest.skin[np.linalg.norm(rest.skin - points.mean(axis=0), axis=1) < 2 * CORNER_MM]
+    apart = np.linalg.norm(points[:, None, :2] - skin[None, :, :2], axis=2)
+    before = np.where(apart < NEAR_MM, skin[:, 2], -np.inf).max(axis=1) - points[:, 2]
+    return max(0.0, BEHIND_LIPS_MM - float(before[np.isfinite(before)].min(initial=np.inf)))
 
 
 def build_mouth(
