@@ -187,7 +187,7 @@ def place_jaws(jaws: Jaws, rest: BaseHead, units: Mapping[str, float]) -> NDArra
     depth = rest.skin[behind, 2].min()
     place = np.array([line[0], line[1] - LIP_LINE_MM[0], depth - LIP_LINE_MM[1]])
     place[2] -= _excess_mm(jaws.vertices + place, rest)
-    return (points + place).astype(np.float32)
+    return np.asarray(points + place, dtype=np.float32)
 
 
 def _excess_mm(points: Points, rest: BaseHead) -> float:
