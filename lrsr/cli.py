@@ -147,6 +147,7 @@ def _given_camera(overrides: list[str]) -> Iterator[list[str]]:
     path = Path(paths[-1]).expanduser()
     if not path.is_file():
         raise InputError(f"camera={path}: no such file; give a preset's name or its .yaml file")
+    _check_targets(path)
     with TemporaryDirectory() as folder:
         option = Path(folder) / "camera" / "given_file.yaml"  # no shipped preset's name
         option.parent.mkdir()
@@ -156,6 +157,22 @@ def _given_camera(overrides: list[str]) -> Iterator[list[str]]:
         yield [*words, "--config-dir", folder]
 
 
+def _check_targets(path: Path) -> None:
+    """Let a file that may come from anybody build parts of a camera and call nothing else.
+
+    Raises:
+        InputError: A ``_target_`` lies outside ``lrsr.camera``.
+    """
+    text = path.read_text(encoding="utf-8", errors="replace")
+    named = [line for line in text.splitlines() if "_target_" in line]
+    for line in named:
+        if not _CAMERA_PART.fullmatch(line):
+            raise InputError(
+                f"camera={path}: {line.strip()!r} builds no part of lrsr.camera; remove it"
+            )
+
+
+_CAMERA_PART = re.compile(r"\s*_target_: lrsr\.camera(\.[a-z_]+)?\.[A-Z][A-Za-z]*\s*(#.*)?")
 _CAMERA_FILE = re.compile(r"camera=.+\.ya?ml")
 
 

@@ -61,3 +61,15 @@ def test_a_preset_is_taken_from_its_file(
 def test_a_preset_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["render", "out=x", "camera=nowhere.yaml"]) == 2
     assert "camera=nowhere.yaml: no such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "line", ["_target_: os.system", '"_target_": os.system', "{_target_: lrsr.cli.main}"]
+)
+def test_a_preset_from_outside_builds_nothing_but_parts_of_a_camera(
+    line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "trap.yaml"
+    path.write_text(line + "\n")
+    assert main(["render", "out=x", f"camera={path}"]) == 2
+    assert "builds no part of lrsr.camera" in capsys.readouterr().err
