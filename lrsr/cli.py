@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 from typing import TYPE_CHECKING
 
 from lrsr import __version__
@@ -163,16 +164,27 @@ def _check_targets(path: Path) -> None:
     Raises:
         InputError: A ``_target_`` lies outside ``lrsr.camera``.
     """
-    text = path.read_text(encoding="utf-8", errors="replace")
-    named = [line for line in text.splitlines() if "_target_" in line]
-    for line in named:
-        if not _CAMERA_PART.fullmatch(line):
-            raise InputError(
-                f"camera={path}: {line.strip()!r} builds no part of lrsr.camera; remove it"
-            )
+    from omegaconf import OmegaConf  # and what it needs only for such a file
+
+    try:
+        pending: list[Any] = [OmegaConf.to_container(OmegaConf.load(path), resolve=False)]
+    except Exception as error:  # whatever YAML's and OmegaConf's parsers raise
+        raise InputError(f"camera={path}: no configuration: {str(error).splitlines()[0]}") from None
+    while pending:
+        node = pending.pop()
+        if isinstance(node, dict):
+            target = node.get("_target_", "lrsr.camera.")
+            if not str(target).startswith("lrsr.camera."):
+                raise InputError(
+                    f"camera={path}: {target!r} builds no part of lrsr.camera; remove it"
+                )
+            pending += node.values()
+        elif isinstance(node, list):
+            pending += node
+        elif "${" in str(node):
+            raise InputError(f"camera={path}: {node!r} is computed; write the value itself")
 
 
-_CAMERA_PART = re.compile(r"\s*_target_: lrsr\.camera(\.[a-z_]+)?\.[A-Z][A-Za-z]*\s*(#.*)?")
 _CAMERA_FILE = re.compile(r"camera=.+\.ya?ml")
 
 
