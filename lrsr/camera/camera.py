@@ -16,7 +16,9 @@ from lrsr.camera.mosaic import Mosaic
 from lrsr.camera.optics import Optics, bin_pixels
 from lrsr.camera.processing import Processing
 from lrsr.camera.sensor import Sensor
+from lrsr.camera.spectral import SpectralColour, needed, observe
 from lrsr.errors import InputError
+from lrsr.rendering.bands import BANDS, Spectrum
 
 if TYPE_CHECKING:
     from lrsr.camera.video import Video  # PyAV, for those who record
@@ -45,7 +47,8 @@ class Camera(nn.Module):
         optics: The lens's faults, on the film.
         supersampling: Film pixels along a side of the sensor's: 1, 2 or 4. The film comes that
             much finer than the picture.
-        colour: Responses of the filters, white balance, colour matrix.
+        colour: Responses of the filters, white balance, colour matrix; measured filters
+            (:class:`lrsr.camera.spectral.SpectralColour`) look at spectral bands.
         mosaic: Filters and interpolation; None: three chips.
         sensor: Electrons, noise, converter.
         processing: Denoising, sharpening, tone; None: the sRGB curve alone.
@@ -54,6 +57,11 @@ class Camera(nn.Module):
         origin_px: ``(x, y)`` of the crop's first pixel in the camera's frame: where the mosaic, the
             sensor's pattern and the blocks of ``stored`` fall.
         field_mm: ``(right, down)`` of the crop's middle from the optical axis, mm, for ``optics``.
+        bands: Spectral bands on the film, 7 to 350; None: those that measured filters usually get,
+            none (0) for other cameras. Of such a film cameras without measured filters see what the
+            CIE 1931 observer sees, so that one rendering serves them all.
+        adapted: That observer takes the light at the face for white, as the camera does whose
+            references he sees.
 
     Raises:
         InputError: Unknown compression or codec, or a number is out of its range.
@@ -73,13 +81,15 @@ class Camera(nn.Module):
         *,
         optics: Optics | None = None,
         supersampling: int = 1,
-        colour: Colour | None = None,
+        colour: Colour | SpectralColour | None = None,
         mosaic: Mosaic | None = None,
         sensor: Sensor | None = None,
         processing: Processing | None = None,
         stored: "Jpeg | Video | None" = None,
         origin_px: tuple[int, int] = (0, 0),
         field_mm: tuple[float, float] = (0.0, 0.0),
+        bands: int | None = None,
+        adapted: bool = False,
     ) -> None:
         super().__init__()
         if codec not in CODECS:
@@ -96,6 +106,10 @@ class Camera(nn.Module):
         self.processing, self.stored = processing, stored
         self.origin_px = check_origin(origin_px)
         self.field_mm = float(field_mm[0]), float(field_mm[1])
+        self.adapted = bool(adapted)
+        self.bands = int((BANDS if self._measured else 0) if bands is None else bands)
+        usable = 7 <= self.bands <= 350 or (self.bands == 0 and self._measured is None)
+        check_setting("bands", self.bands, usable, "7 to 350, or 0 without measured filters")
 
     @property
     def noisy(self) -> bool:
@@ -108,29 +122,36 @@ class Camera(nn.Module):
         return self.supersampling == 1 and not any(self._stages().values())
 
     def forward(
-        self, linear: torch.Tensor, metered: torch.Tensor, seeds: Sequence[int] | None = None
+        self,
+        linear: torch.Tensor,
+        metered: torch.Tensor,
+        seeds: Sequence[int] | None = None,
+        spectrum: Spectrum | None = None,
     ) -> torch.Tensor:
         """Take the picture.
 
         Args:
             linear: ``(B, 3, S H, S W)`` float32, scene-referred linear light on a film S =
-                ``supersampling`` times finer, any H and W >= 1 (3 under a mosaic).
+                ``supersampling`` times finer, any H and W >= 1 (3 under a mosaic); or
+                ``(B, N, S H, S W)`` spectral bands.
             metered: ``(B,)``, reading of the incident-light meter, > 0.
             seeds: One for each image, of its noise; only a noisy camera needs them.
+            spectrum: Which bands they are; None: three colours.
 
         Returns:
             srgb ``(B, 3, H, W)`` float32, [0, 1], multiples of 1/255.
 
         Raises:
             ImageContractError: The images break the contract, or ``metered`` does not fit them.
-            InputError: A noisy camera got no seeds.
+            InputError: A noisy camera got no seeds, or measured filters got three colours.
             NonFiniteError: A NaN or an infinity in the images.
         """
         if self.noisy and seeds is None:
             raise InputError(f"camera {self.name!r} is noisy: give seeds, one for each image")
-        light = self.gather(expose(linear, metered, self.exposure_ev))
+        seen = self.see(linear, spectrum)
+        light = self.gather(expose(seen, metered, self.exposure_ev))
         count = 1 if self.stored is None else self.stored.frames
-        frames = [self.develop(light, seeds, frame) for frame in range(count)]
+        frames = [self.develop(light, seeds, frame, spectrum) for frame in range(count)]
         srgb = frames[-1]
         if self.stored is not None:
             stack, soft = torch.stack(frames), self._trained_through
@@ -138,6 +159,26 @@ class Camera(nn.Module):
         if self.quality is None:
             return srgb
         return (jpeg_differentiable if self._trained_through else jpeg)(srgb, self.quality)
+
+    def see(self, linear: torch.Tensor, spectrum: Spectrum | None = None) -> torch.Tensor:
+        """Return three channels ``(B, 3, H, W)`` of light ``(B, 3 or N, H, W)``.
+
+        Of bands those are what measured filters let through, or the linear sRGB of the standard
+        observer. They come before the lens, which treats each channel as it treats a colour.
+
+        Args:
+            linear: Three colours or bands.
+            spectrum: Which bands they are; None: three colours.
+
+        Raises:
+            ImageContractError: The light has another number of channels.
+            InputError: Measured filters got three colours.
+        """
+        if self._measured is not None:
+            return self._measured.filter(linear, needed(spectrum, self.bands))
+        if spectrum is None:
+            return linear
+        return observe(linear, spectrum, adapted=self.adapted)
 
     def gather(self, light: torch.Tensor) -> torch.Tensor:
         """Send exposed light ``(B, 3, S H, S W)`` through the lens into pixels ``(B, 3, H, W)``.
@@ -150,14 +191,19 @@ class Camera(nn.Module):
         return bin_pixels(light, self.supersampling)
 
     def develop(
-        self, light: torch.Tensor, seeds: Sequence[int] | None = None, frame: int = 0
+        self,
+        light: torch.Tensor,
+        seeds: Sequence[int] | None = None,
+        frame: int = 0,
+        spectrum: Spectrum | None = None,
     ) -> torch.Tensor:
         """Count the light of pixels ``(B, 3, H, W)`` and make a picture of 8 bits of it.
 
         Args:
-            light: Linear, 1 = white.
+            light: Linear, 1 = white; behind measured filters what they let through.
             seeds: One for each image.
             frame: Number of the exposure; each has noise of its own.
+            spectrum: Of the scenes' light, for measured filters.
 
         Returns:
             srgb ``(B, 3, H, W)``, multiples of 1/255.
@@ -166,7 +212,7 @@ class Camera(nn.Module):
             InputError: Noise without a seed for each image.
         """
         soft = self._trained_through
-        raw = light if self.colour is None else self.colour.filter(light)
+        raw = self.colour.filter(light) if isinstance(self.colour, Colour) else light
         if self.mosaic is not None:
             raw = self.mosaic.filter(raw, self.origin_px)
         if self.sensor is not None:
@@ -175,7 +221,7 @@ class Camera(nn.Module):
         if self.mosaic is not None:
             raw = self.mosaic(raw, self.origin_px)
         if self.colour is not None:
-            raw = self.colour(raw)
+            raw = self.colour(raw, spectrum)
         if self.processing is None:
             return encode(raw, differentiable=soft)
         return quantise(self.processing(raw), differentiable=soft)
@@ -208,6 +254,8 @@ class Camera(nn.Module):
             "supersampling": self.supersampling,
             "origin_px": self.origin_px,
             "field_mm": self.field_mm,
+            "bands": self.bands,
+            "adapted": self.adapted,
         }
         return Camera(compression, **settings, **self._stages())
 
@@ -215,10 +263,19 @@ class Camera(nn.Module):
         """Return a reference camera of the same exposure that does not compress.
 
         It takes enrolled pictures, and what a restored picture is measured against. The reference
-        camera keeps its name; one with flaws gives it up.
+        camera keeps its name; one with flaws gives it up. It sees the same bands, if there are
+        any, as the standard observer, with the same idea of white.
         """
         name = self.name if self.flawless else "reference"
-        return Camera("none", self.exposure_ev, self.codec, name)
+        adapted = self.adapted
+        if self._measured is not None:
+            adapted = self._measured.balance == "scene"
+        told: dict[str, Any] = {"bands": self.bands, "adapted": adapted}
+        return Camera("none", self.exposure_ev, self.codec, name, **told)
+
+    @property
+    def _measured(self) -> SpectralColour | None:
+        return self.colour if isinstance(self.colour, SpectralColour) else None
 
     @property
     def _trained_through(self) -> bool:

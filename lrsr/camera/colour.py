@@ -13,6 +13,7 @@ import torch
 from torch import nn
 
 from lrsr.camera.contract import check_light, check_setting
+from lrsr.rendering.bands import Spectrum
 
 Matrix = Sequence[Sequence[float]]
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -68,8 +69,12 @@ class Colour(nn.Module):
         """
         return mix(linear, self.responses)
 
-    def forward(self, raw: torch.Tensor) -> torch.Tensor:
+    def forward(self, raw: torch.Tensor, spectrum: Spectrum | None = None) -> torch.Tensor:
         """Balance raw channels ``(B, 3, H, W)``, clip them at white, and unmix them.
+
+        Args:
+            raw: Of each picture.
+            spectrum: Is not looked at: what three numbers a filter do does not depend on the light.
 
         Returns:
             ``(B, 3, H, W)``, linear, not above 1 where the matrix has no entry above 1; may be < 0.

@@ -97,7 +97,9 @@ class RenderCache:
             ImageContractError: The image breaks the contract.
             NonFiniteError: The image holds a NaN or an infinity: it would stay for ever.
         """
-        check_images(radiance.image[None], name=f"rendering of {radiance.identity_id}")
+        channels = 3 if radiance.edges_nm is None else len(radiance.edges_nm) - 1
+        name = f"rendering of {radiance.identity_id}"
+        check_images(radiance.image[None], channels=channels, name=name)
         write_bytes(self.path(key), _pack(radiance), durable=False)  # its checksum tells
 
     def sweep(self) -> int:
@@ -116,6 +118,8 @@ def _pack(radiance: Radiance) -> bytes:
         if field.name not in _TENSORS
     }
     plain["person"] = None if radiance.person is None else asdict(radiance.person)
+    if radiance.edges_nm is None:  # as entries were before there were bands
+        del plain["edges_nm"], plain["metered_bands"]
     note = {"radiance": plain, "sha256": _digest(tensors, plain)}
     # One note, not two: safetensors writes several in random order, and equal means equal bytes.
     content: bytes = save(tensors, {"lrsr": _canonical(note).decode()})
@@ -130,6 +134,8 @@ def _unpack(content: bytes) -> Radiance:
     if set(tensors) != set(_TENSORS) or note["sha256"] != _digest(tensors, plain):
         raise ValueError("its checksum does not match")
     person = plain.pop("person")
+    for name in set(plain) & {"edges_nm", "metered_bands"}:
+        plain[name] = tuple(plain[name])
     return Radiance(**tensors, **plain, person=None if person is None else Person(**person))
 
 

@@ -221,7 +221,10 @@ class ProbeDataModule(LightningDataModule):
             for split, (lr_film, hr_film) in product(splits, self.pairs)
             for recipe in (
                 *(filmed(recipe, self.cameras[0]) for recipe in self.recipes(split, lr_film)),
-                *self.recipes(split, hr_film),
+                *(
+                    filmed(recipe, self.cameras[0].clean())
+                    for recipe in self.recipes(split, hr_film)
+                ),
             )
         ]
         render_missing(wanted, self.cache, progress=self.progress, maker=self.maker)

@@ -79,6 +79,7 @@ class MitsubaMaker:
             seed=recipe.seed,
             lens=recipe.lens,
             standpoint=recipe.standpoint,
+            bands=recipe.bands,
         )
         return replace(radiance, person=describe(head))
 

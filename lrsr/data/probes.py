@@ -15,7 +15,7 @@ from lrsr.data.recipe import ProbeRecipe
 from lrsr.errors import InputError
 from lrsr.identities.face.expression import find_expression
 from lrsr.identities.person import Person
-from lrsr.rendering.radiance import Radiance
+from lrsr.rendering.radiance import Radiance, spectrum_of
 
 if TYPE_CHECKING:
     from lrsr.identities.head import Head
@@ -72,7 +72,8 @@ class Probe:
 def filmed(recipe: ProbeRecipe, camera: Camera) -> ProbeRecipe:
     """Return what is rendered for a picture: the film of a camera with a lens is finer.
 
-    The sampler keeps its seed. Nothing else of the camera changes what is rendered.
+    That of a camera with measured filters holds spectral bands. The sampler keeps its seed. Nothing
+    else of the camera changes what is rendered.
 
     Args:
         recipe: Of the picture.
@@ -82,8 +83,10 @@ def filmed(recipe: ProbeRecipe, camera: Camera) -> ProbeRecipe:
         InputError: No film is that fine: references of a camera with a lens are taken by
             :meth:`lrsr.camera.Camera.clean`.
     """
-    finer = camera.supersampling
-    return recipe if finer == 1 else replace(recipe, scale=recipe.scale * finer)
+    finer, bands = camera.supersampling, recipe.bands or camera.bands
+    if finer == 1 and bands == recipe.bands:
+        return recipe
+    return replace(recipe, scale=recipe.scale * finer, bands=bands)
 
 
 def render_missing(
@@ -222,16 +225,18 @@ def photograph(radiances: Sequence[Radiance], camera: Camera, kinds: Sequence[st
                 f"a film of scale {radiance.scale} in camera {camera.name!r}: wanted {finer} times "
                 "the picture's"
             )
-    sizes: dict[torch.Size, list[int]] = {}
+    alike: dict[object, list[int]] = {}
     for i, radiance in enumerate(radiances):
-        sizes.setdefault(radiance.image.shape, []).append(i)
+        alike.setdefault((radiance.image.shape, radiance.edges_nm), []).append(i)
     images: dict[int, torch.Tensor] = {}
-    for members in sizes.values():
+    for members in alike.values():
         linear = torch.stack([radiances[i].image for i in members])
         metered = torch.tensor([radiances[i].metered for i in members])
         with torch.no_grad():
             seeds = [radiances[i].seed for i in members]
-            images |= dict(zip(members, camera(linear, metered, seeds), strict=True))
+            spectrum = spectrum_of([radiances[i] for i in members])
+            srgb = camera(linear, metered, seeds, spectrum)
+            images |= dict(zip(members, srgb, strict=True))
     return [
         Probe(
             image=images[i].clone(),

@@ -42,6 +42,8 @@ class ProbeRecipe:
         expression: Name of an expression, or one with any face units.
         lens: Name of a lens, or any surfaces.
         standpoint: Name of a place of the camera, or any.
+        bands: Spectral bands on the film, 7 to 350; 0: three colours. See
+            :mod:`lrsr.rendering.bands`.
 
     Raises:
         InputError: A value is out of its range, or there is no such pose, lighting, expression,
@@ -65,6 +67,7 @@ class ProbeRecipe:
     expression: str | Expression = "neutral"
     lens: str | Lens = "pinhole"
     standpoint: str | Standpoint = "level"
+    bands: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ipd_px", float(self.ipd_px))  # 8 and 8.0 are one picture
@@ -80,6 +83,7 @@ class ProbeRecipe:
             "texture_size": (self.texture_size >= 8, "a number >= 8"),
             "max_depth": (self.max_depth >= 1, "a number >= 1"),
             "draw": (self.draw >= 0, "a number >= 0"),
+            "bands": (self.bands == 0 or 7 <= self.bands <= 350, "0, or 7 to 350"),
         }
         for name, (holds, wish) in wanted.items():
             if not holds:
@@ -133,14 +137,15 @@ class ProbeRecipe:
 
         ``kind`` is left out: a gallery picture and a probe of the same light are the same pixels.
         Poses, lightings and expressions go in as angles, lights and face units, named or not;
-        lenses and standpoints as surfaces and places, if the camera is no level pinhole.
+        lenses and standpoints as surfaces and places, if the camera is no level pinhole. Bands
+        go in if there are any.
 
         Args:
             versions: Of the code that makes them, e.g. ``{"renderer": "3", "variant": ...}``.
         """
         pose, lighting = find_pose(self.pose), find_lighting(self.lighting)
         values = asdict(replace(self, pose=pose, lighting=lighting))
-        for name in ("kind", "lens", "standpoint"):
+        for name in ("kind", "lens", "standpoint", *([] if self.bands else ["bands"])):
             del values[name]
         values |= {"lighting": lighting.record(), **self._seen()}
         values["skin"] = find_skin(self.skin).plain()

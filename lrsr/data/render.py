@@ -24,7 +24,7 @@ from lrsr.identities.roster import UNCHECKED, Cast
 from lrsr.identities.splits import Split
 from lrsr.paths import cache_folder
 from lrsr.rendering.lens import find_lens
-from lrsr.rendering.radiance import Radiance
+from lrsr.rendering.radiance import Radiance, spectrum_of
 from lrsr.rendering.standpoint import find_standpoint
 
 if TYPE_CHECKING:
@@ -232,7 +232,8 @@ def _earlier(folder: Path) -> list[ManifestRow]:
 def _exposed(radiance: Radiance, camera: Camera) -> torch.Tensor:
     """Return the exposed light ``(3, H, W)`` of a picture, linear, 1 = white."""
     metered = torch.tensor([radiance.metered])
-    exposed = expose(radiance.image[None], metered, camera.exposure_ev)
+    observed = camera.clean().see(radiance.image[None], spectrum_of([radiance]))
+    exposed = expose(observed, metered, camera.exposure_ev)
     return bin_pixels(exposed, camera.supersampling)[0]
 
 

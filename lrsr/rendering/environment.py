@@ -56,7 +56,7 @@ def environment(lighting: Lighting) -> tuple[NDArray[np.float32], float]:
     Raises:
         InputError: The lighting's map cannot be used.
     """
-    directions, solid_angles = _map_grid()
+    directions, solid_angles = map_grid()
     radiance = _paint_lights(lighting, directions, solid_angles)
     phase = lambert_phase(np.arccos(np.clip(directions[..., 2], -1, 1)))
     room, free = _room(lighting, phase * solid_angles / math.pi), 1.0
@@ -157,7 +157,7 @@ def _seen(
     return (distance, towards), -(towards @ matrix[:3, 2]), area
 
 
-def _map_grid() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def map_grid() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return directions ``(H, 2H, 3)`` and solid angles ``(H, 2H)`` that sum to 4π."""
     theta = np.linspace(0, np.pi, MAP_HEIGHT_PX)
     phi = 2 * np.pi * (np.arange(2 * MAP_HEIGHT_PX) + 0.5) / (2 * MAP_HEIGHT_PX)

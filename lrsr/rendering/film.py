@@ -19,12 +19,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.errors import InputError
 from lrsr.rendering.backend import start
+from lrsr.rendering.bands import band_edges
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint
 from lrsr.rendering.lens import LENSES, Lens
 from lrsr.rendering.mounted_lens import mount
 from lrsr.rendering.scene import Pose
 from lrsr.rendering.stage import world_to_head
+from lrsr.rendering.wavelengths import draw_wavelengths, split
 
 FILTER_STDDEV_PX = 0.5
 """Standard deviation of the reconstruction filter, in pixels of the film itself."""
@@ -47,6 +50,7 @@ def expose(
     seed: int,
     lens: Lens = LENSES["pinhole"],
     focus_mm: float = math.inf,
+    bands: int = 0,
 ) -> NDArray[np.float32]:
     """Trace the rays of one film.
 
@@ -60,27 +64,45 @@ def expose(
         seed: Of the sampler.
         lens: Before the film.
         focus_mm: Distance of what is sharp along the optical axis, mm.
+        bands: Spectral bands to deliver; 0: three colours.
 
     Returns:
-        ``(side, side, 3)`` float32, linear.
+        ``(side, side, 3)`` float32, linear sRGB, or ``(side, side, bands)``; see
+        :mod:`lrsr.rendering.bands`.
 
     Raises:
-        InputError: The lens cannot be focused so near.
+        InputError: The lens cannot be focused so near, or the variant has no spectrum.
     """
     mi = start()
+    edges = _edges(bands)
     side = scale * viewpoint.film_px
     passes = -(-side * side * samples // MAX_RAYS)
     per_pass = grid_samples(-(-samples // passes))
-    sensor = make_sensor(viewpoint, pose, side, per_pass, lens, focus_mm)
+    sensor = make_sensor(viewpoint, pose, side, per_pass, lens, focus_mm, edges)
     if "scalar" in mi.variant():
         return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=seed))
-    total, count = np.zeros((2, side * side, 3), dtype=np.float64)
+    total, count = np.zeros((2, side * side, bands or 3), dtype=np.float64)
     for number in range(passes):
-        light, rays = _trace(scene, integrator, sensor, side, per_pass, pass_seed(seed, number))
+        own_seed = pass_seed(seed, number)
+        light, rays = _trace(scene, integrator, sensor, side, per_pass, own_seed, edges)
         total += light
         count += rays
     mean = np.divide(total, count, out=np.zeros_like(total), where=count > 0)
-    return mean.astype(np.float32).reshape(side, side, 3)
+    return mean.astype(np.float32).reshape(side, side, -1)
+
+
+def _edges(bands: int) -> tuple[float, ...] | None:
+    """Return the edges of so many bands, nm; None: three colours.
+
+    Raises:
+        InputError: The variant has no spectrum, or so many bands are not possible.
+    """
+    if bands and not (mi := start()).is_spectral:
+        raise InputError(
+            f"bands={bands}: variant {mi.variant()} traces three colours, no spectrum; set"
+            " LRSR_VARIANT=llvm_ad_spectral, or choose a camera that needs no bands"
+        )
+    return band_edges(bands) if bands else None
 
 
 def grid_samples(samples: int) -> int:
@@ -100,7 +122,13 @@ def pass_seed(seed: int, number: int) -> int:
 
 
 def make_sensor(
-    viewpoint: Viewpoint, pose: Pose, side: int, samples: int, lens: Lens, focus_mm: float
+    viewpoint: Viewpoint,
+    pose: Pose,
+    side: int,
+    samples: int,
+    lens: Lens,
+    focus_mm: float,
+    edges_nm: tuple[float, ...] | None = None,
 ) -> Any:
     """Make the ``mi.Sensor`` of that viewpoint and lens; see :func:`expose`.
 
@@ -117,7 +145,10 @@ def make_sensor(
     reach_mm = math.sqrt(2) * slope * constant_mm * (1 + 2 * FILTER_CUT * FILTER_STDDEV_PX / side)
     mounted = mount(lens, constant_mm, focus_mm, reach_mm)
     to_world = world_to_head(pose) @ viewpoint.to_world()
-    return lens_sensor(mounted, to_world, slope, side, samples, disperse=lens.dispersion)
+    span = None if edges_nm is None else (edges_nm[0], edges_nm[-1])
+    return lens_sensor(
+        mounted, to_world, slope, side, samples, disperse=lens.dispersion, span_nm=span
+    )
 
 
 def describe_sensor(viewpoint: Viewpoint, pose: Pose, side: int, samples: int) -> dict[str, Any]:
@@ -150,11 +181,17 @@ def describe_film(side: int) -> dict[str, Any]:
 
 
 def _trace(
-    scene: Any, integrator: Any, sensor: Any, side: int, samples: int, seed: int
+    scene: Any,
+    integrator: Any,
+    sensor: Any,
+    side: int,
+    samples: int,
+    seed: int,
+    edges_nm: tuple[float, ...] | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | float]:
     """Return the light of ``samples`` rays in each pixel, and as how many rays they count.
 
-    Both are sums, ``(side², 3)``.
+    Both are sums, ``(side², 3 or N)`` or what spreads to that.
     """
     import drjit as dr
 
@@ -172,18 +209,29 @@ def _trace(
     uniform = sampler.next_2d()
     offset = FILTER_STDDEV_PX * math.sqrt(2) * dr.erfinv((2 * uniform - 1) * cut)
     position = (corner + 0.5 + offset) / mi.Float(width)
-    light, counts = _follow(scene, integrator, sensor, sampler, position)
-    dr.eval(light, counts)  # once, not once per channel
-    sums = _sum(light, samples)
-    return sums, float(samples) if counts is None else _sum(counts, samples)
+    light, counts, wavelengths = _follow(scene, integrator, sensor, sampler, position, edges_nm)
+    if mi.is_spectral and edges_nm is None:
+        light = mi.spectrum_to_srgb(light, wavelengths)
+    dr.eval(light, counts, wavelengths)  # once, not once per channel
+    channels = light if edges_nm is None else split(light, wavelengths, edges_nm)
+    sums = _sum(channels, samples)
+    if counts is None:
+        return sums, float(samples)
+    return sums, _sum(counts if edges_nm is None else [counts[0]], samples)
 
 
 def _follow(
-    scene: Any, integrator: Any, sensor: Any, sampler: Any, position: Any
-) -> tuple[Any, Any]:
-    """Return the light of one ray for each position, linear sRGB, and as how many it counts.
+    scene: Any,
+    integrator: Any,
+    sensor: Any,
+    sampler: Any,
+    position: Any,
+    edges_nm: tuple[float, ...] | None,
+) -> tuple[Any, Any, Any]:
+    """Return the light of one ray for each position, as how many it counts, and its wavelengths.
 
-    None: all count as one. Rays that a lens stops bring no light.
+    None: all count as one. Rays that a lens stops bring no light. Light of a spectral variant is
+    that of each wavelength over its density.
     """
     import drjit as dr
 
@@ -191,6 +239,8 @@ def _follow(
     if not hasattr(sensor, "sample_balanced"):  # a pinhole
         colour = sampler.next_1d() if mi.is_spectral else 0.5
         ray, weight = sensor.sample_ray_differential(0.0, colour, position, mi.Point2f(0.5))
+        if edges_nm is not None:  # a pinhole bends no light: any wavelengths may take that way
+            ray.wavelengths, weight = draw_wavelengths(colour, (edges_nm[0], edges_nm[-1]))
         light, _, _ = integrator.sample(scene, sampler, ray)
         counts = None
     else:
@@ -202,13 +252,12 @@ def _follow(
         light = dr.select(alive, weight * light, 0.0)
     if mi.is_spectral:
         light = weight * light if counts is None else light
-        light = mi.spectrum_to_srgb(light, ray.wavelengths)
-    return light, counts
+    return light, counts, ray.wavelengths
 
 
 def _sum(values: Any, samples: int) -> NDArray[np.float64]:
-    """Add up the values of each pixel, ``(side², 3)``."""
+    """Add up the values of each pixel, ``(side², C)``."""
     import drjit as dr
 
-    sums = [dr.block_sum(channel, samples, mode="evaluated") for channel in values]
-    return np.stack([channel.numpy() for channel in sums], axis=1).astype(np.float64)
+    sums = [dr.block_sum(channel, samples, mode="evaluated").numpy() for channel in values]
+    return np.stack(sums, axis=1).astype(np.float64)

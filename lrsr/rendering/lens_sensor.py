@@ -20,6 +20,7 @@ from lrsr.rendering.backend import start
 from lrsr.rendering.glass import D_LINE_NM, coefficients, index_of_ray
 from lrsr.rendering.lens import CHANNELS_NM
 from lrsr.rendering.mounted_lens import MountedLens
+from lrsr.rendering.wavelengths import draw_wavelengths
 
 ROW = 10
 """Numbers of a surface in the table."""
@@ -54,6 +55,7 @@ def lens_sensor(
     samples: int,
     *,
     disperse: bool,
+    span_nm: tuple[float, float] | None = None,
 ) -> Any:
     """Make the sensor.
 
@@ -65,6 +67,8 @@ def lens_sensor(
         side: Of the film, px.
         samples: Per pixel.
         disperse: Let each ray of an rgb variant be of one channel, chosen by the wavelength sample.
+        span_nm: In spectral variants wavelengths are drawn evenly between these two; None: as
+            sRGB needs them.
 
     Returns:
         ``mi.Sensor``; it renders by ``mi.render``, too.
@@ -75,7 +79,7 @@ def lens_sensor(
     properties = mi.Properties()
     properties["film"] = mi.load_dict(describe_film(side))
     properties["sampler"] = mi.load_dict({"type": "multijitter", "sample_count": samples})
-    return _sensor_class()(properties, mounted, to_world, slope, disperse)
+    return _sensor_class()(properties, mounted, to_world, slope, disperse, span_nm)
 
 
 @cache
@@ -92,12 +96,14 @@ def _sensor_class() -> Any:
             to_world: NDArray[np.float64],
             slope: float,
             disperse: bool,
+            span_nm: tuple[float, float] | None,
         ) -> None:
             super().__init__(properties)
             self._mounted = mounted
             self._width = -2 * slope * mounted.constant_mm  # the lens turns the picture round
             self._matrix = to_world
             self._disperse = disperse
+            self._span_nm = span_nm
             self._numbers = None if "scalar" in mi.variant() else _opaque(self)
 
         def sample_ray(
@@ -222,7 +228,10 @@ def _colours(sensor: Any, sample: Any, number: dict[str, Any]) -> tuple[Any, Any
 
     mi = start()
     if mi.is_spectral:
-        wavelengths, weight = mi.sample_rgb_spectrum(mi.sample_shifted(sample))
+        if sensor._span_nm is None:
+            wavelengths, weight = mi.sample_rgb_spectrum(mi.sample_shifted(sample))
+        else:
+            wavelengths, weight = draw_wavelengths(sample, sensor._span_nm)
         first = [float(len(wavelengths)), *[0.0] * (len(wavelengths) - 1)]
         return wavelengths, wavelengths[0] / 1000, weight * mi.Spectrum(*first)
     channel = dr.minimum(mi.UInt32(3 * sample), 2)

@@ -1,10 +1,12 @@
 """What comes off the film: scene-referred light and where the face is in it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
 
 from lrsr.identities.person import Person
+from lrsr.rendering.bands import Spectrum
 
 
 @dataclass(frozen=True)
@@ -12,7 +14,8 @@ class Radiance:
     """One rendered image, before any camera.
 
     Attributes:
-        image: ``(3, H, W)`` float32, scene-referred linear sRGB primaries, >= 0, unbounded above.
+        image: ``(3, H, W)`` float32, scene-referred linear sRGB primaries, >= 0, unbounded above;
+            or ``(N, H, W)`` spectral bands, where ``edges_nm`` says so.
         landmarks_px: ``(5, 2)`` float32, (x, y) in pixels of ``image``: pixel (0, 0) is the
             top-left, its centre has the coordinate 0, so x' = s (x + 0.5) - 0.5 on a film s times
             finer.
@@ -27,6 +30,9 @@ class Radiance:
         pose: Name.
         lighting: Name.
         person: What is recorded of the head, where it is known.
+        edges_nm: N + 1 edges of the bands, nm, rising (:mod:`lrsr.rendering.bands`); None: three
+            colours.
+        metered_bands: N bands of what the same meter reads; their luminance is ``metered``.
     """
 
     image: torch.Tensor
@@ -39,3 +45,19 @@ class Radiance:
     pose: str
     lighting: str
     person: Person | None = None
+    edges_nm: tuple[float, ...] | None = None
+    metered_bands: tuple[float, ...] | None = None
+
+
+def spectrum_of(radiances: Sequence[Radiance]) -> Spectrum | None:
+    """Return what the channels of those films are, if they are bands; None: three colours.
+
+    Args:
+        radiances: One or more, all of the same bands.
+    """
+    edges_nm = radiances[0].edges_nm
+    if edges_nm is None:
+        return None
+    read = [(radiance.metered_bands or (), radiance.metered) for radiance in radiances]
+    whites = tuple(tuple(band / metered for band in bands) for bands, metered in read)
+    return Spectrum(edges_nm, whites)

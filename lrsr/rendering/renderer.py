@@ -8,6 +8,7 @@ import torch
 
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
+from lrsr.rendering.bands import band_edges
 from lrsr.rendering.film import expose
 from lrsr.rendering.geometry import place_camera
 from lrsr.rendering.lens import Lens, find_lens
@@ -60,6 +61,7 @@ class Renderer:
         camera_m: float | None = None,
         lens: str | Lens = "pinhole",
         standpoint: str | Standpoint = "level",
+        bands: int = 0,
     ) -> Radiance:
         """Render one picture.
 
@@ -74,12 +76,15 @@ class Renderer:
             camera_m: Distance of the camera, m; None: where the reference camera must stand.
             lens: Name or surfaces. It is focused on the eyes, unless it says otherwise.
             standpoint: Name or distance and height of the camera.
+            bands: Spectral bands to deliver instead of three colours, 7 to 350, in a variant that
+                traces wavelengths; 0: three colours.
 
         Returns:
             The linear picture with its landmarks.
 
         Raises:
-            InputError: No such pose, lighting, lens or standpoint, or a number out of range.
+            InputError: No such pose, lighting, lens or standpoint, a number out of range, or bands
+                of a variant that traces colours.
             NonFiniteError: A pixel is NaN or infinite.
         """
         pose, lighting, lens = find_pose(pose), find_lighting(lighting), find_lens(lens)
@@ -111,6 +116,7 @@ class Renderer:
             seed=seed,
             lens=lens,
             focus_mm=float(viewpoint.depth_mm(pose.turn(head.pupils)).mean()),
+            bands=bands,
         )
         if not np.isfinite(image).all():
             raise NonFiniteError(
@@ -128,10 +134,21 @@ class Renderer:
             identity_id=head.identity_id,
             pose=pose.name,
             lighting=lighting.name,
+            **_spectrum(lighting, bands),
         )
 
     def _path(self) -> Any:
         return self._stage.integrator(self.max_depth, ROULETTE_DEPTH)
+
+
+def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:
+    """Return what a radiance of so many bands holds besides."""
+    if not bands:
+        return {}
+    from lrsr.rendering.upsampling import meter_bands
+
+    edges = band_edges(bands)
+    return {"edges_nm": edges, "metered_bands": meter_bands(lighting, edges)}
 
 
 @cache

@@ -21,6 +21,7 @@ from lrsr.camera.video import Video
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.images import linear_to_srgb
 from lrsr.paths import config_folder
+from lrsr.rendering.bands import Spectrum, band_edges, daylight
 
 
 def light(batch: int = 2, height: int = 32, width: int = 32, seed: int = 0) -> torch.Tensor:
@@ -269,13 +270,25 @@ def test_a_clean_camera_has_the_exposure_and_no_flaw() -> None:
     assert not full().flawless
 
 
+def banded(film: torch.Tensor, bands: int = 35) -> tuple[torch.Tensor, Spectrum]:
+    """Make bands of light of three colours: daylight behind three filters that share no band."""
+    edges = band_edges(bands)
+    white = daylight(edges)
+    places = [min(2, 3 * (bands - 1 - band) // bands) for band in range(bands)]
+    light = film[:, places] * torch.tensor(white, dtype=torch.float32)[:, None, None]
+    return light, Spectrum(edges, (tuple(white.tolist()),) * len(film))
+
+
 @pytest.mark.parametrize("name", PRESETS)
 def test_a_preset_takes_pictures_whose_seed_decides_them(name: str) -> None:
     camera = preset(name)
     film = light(2, 32 * camera.supersampling, 32 * camera.supersampling)
-    srgb = camera(film, torch.ones(2), [1, 2])
+    spectrum = None
+    if camera.bands:
+        film, spectrum = banded(film, camera.bands)
+    srgb = camera(film, torch.ones(2), [1, 2], spectrum)
     assert srgb.shape == (2, 3, 32, 32)
-    assert torch.equal(srgb, camera(film, torch.ones(2), [1, 2]))
+    assert torch.equal(srgb, camera(film, torch.ones(2), [1, 2], spectrum))
 
 
 def hue(name: str) -> torch.Tensor:

@@ -100,6 +100,7 @@ def test_everything_the_recipe_says_reaches_the_renderer() -> None:
         "seed": 3,
         "lens": "pinhole",
         "standpoint": "level",
+        "bands": 0,
     }
 
 

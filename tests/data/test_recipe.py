@@ -34,6 +34,7 @@ OTHERS: dict[str, Any] = {
     "expression": "smile",
     "lens": "thin",
     "standpoint": "scface_far",
+    "bands": 35,
 }
 
 

@@ -8,6 +8,7 @@ import torch
 
 from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.identities.head import Head
+from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance
 
 
@@ -31,7 +32,8 @@ class FakeMaker:
         pose = recipe.pose if isinstance(recipe.pose, str) else recipe.pose.name
         lighting = recipe.lighting if isinstance(recipe.lighting, str) else recipe.lighting.name
         what = derived_seed(0, recipe.identity_id, recipe.pose, recipe.lighting)
-        noise = torch.rand(1, 3, 8, 8, generator=torch.Generator().manual_seed(what))
+        channels = recipe.bands or 3
+        noise = torch.rand(1, channels, 8, 8, generator=torch.Generator().manual_seed(what))
         side = 4 * round(recipe.ipd_px) * recipe.scale
         film = torch.nn.functional.interpolate(noise, size=(side, side), mode="bilinear")
         return Radiance(
@@ -44,4 +46,6 @@ class FakeMaker:
             identity_id=recipe.identity_id,
             pose=pose,
             lighting=lighting,
+            edges_nm=band_edges(recipe.bands) if recipe.bands else None,
+            metered_bands=(1.0,) * recipe.bands if recipe.bands else None,
         )
