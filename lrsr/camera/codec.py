@@ -4,15 +4,11 @@ JPEG cuts a frame into blocks of 8 × 8 from its top left corner; a face within 
 where the frame's grid falls, which ``origin_px`` says. Motion JPEG is this, frame by frame, with
 4:2:2.
 
-The real one is OpenCV's (libjpeg-turbo): what a file would hold. The differentiable one is
-kornia's (Reich et al. 2024, arXiv:2309.06978): the same tables and the same 4:2:0, with a rounding
-that has a slope, for training through it. On smooth random images the two are 38 dB apart at
-quality 15, where each is 28 dB from the original, and 43 dB at quality 75
-(``tests/camera/test_codec.py``); the soft rounding keeps about 1 dB that the real one loses; its
-gradient is, on average, a quarter of the straight-through one. The differentiable one knows 4:2:0
-alone and stands in for the others: on those images, whose colours are as detailed as their
-luminance, it is 37-42 dB from the real 4:2:2 at quality 75 and 36-41 dB from 4:4:4 (28-32 and
-27-31 dB at quality 15).
+The real one is OpenCV's (libjpeg-turbo): what a file would hold. The differentiable one
+(:mod:`lrsr.camera.soft_jpeg`) has the same steps and tables with a soft rounding. docs/camera.md
+says how far apart the two are: on rendered faces 42-46 dB at qualities of 20 to 95, where the file
+is 28-41 dB from its original. Little of that is the softness: libjpeg rounds levels in between, and
+the rare coefficient that this tips over to the next step weighs as much.
 """
 
 from collections.abc import Sequence
@@ -21,12 +17,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 import torch
-from kornia.enhance import jpeg_codec_differentiable
 from torch import nn
 from torch.nn import functional as F
 
-from lrsr.camera.contract import check_origin, check_setting
+from lrsr.camera.contract import check_light, check_origin, check_setting
 from lrsr.camera.encoding import quantise
+from lrsr.camera.soft_jpeg import soft_jpeg
 from lrsr.errors import InputError
 from lrsr.images import check_images
 
@@ -103,8 +99,9 @@ def jpeg(
         ImageContractError: The images break the contract.
         InputError: Unknown chroma, or a place or a quality out of range.
     """
-    framed, left, top = _framed(srgb, quality, origin_px)
+    check_images(srgb, name="srgb")
     check_setting("chroma", chroma, chroma in CHROMAS, f"one of {', '.join(CHROMAS)}")
+    framed, left, top = _framed(srgb, quality, origin_px)
     pixels = framed.detach().clamp(0, 1).mul(255).round().to(torch.uint8)
     rows = pixels.permute(0, 2, 3, 1).cpu().numpy()
     decoded = np.stack([_through_file(image, quality, chroma)[top:, left:] for image in rows])
@@ -115,7 +112,6 @@ def _framed(
     srgb: torch.Tensor, quality: int, origin_px: tuple[int, int]
 ) -> tuple[torch.Tensor, int, int]:
     """Repeat the edge leftwards and upwards to where the frame's grid has a corner."""
-    check_images(srgb, name="srgb")
     check_setting("quality", quality, 1 <= quality <= 100, "1 to 100")
     left, top = (place % _MACROBLOCK_PX for place in check_origin(origin_px))
     framed = F.pad(srgb, (left, 0, top, 0), mode="replicate") if left or top else srgb
@@ -134,28 +130,30 @@ def _through_file(rgb: np.ndarray, quality: int, chroma: str) -> np.ndarray:
 
 
 def jpeg_differentiable(
-    srgb: torch.Tensor, quality: int, *, origin_px: tuple[int, int] = (0, 0)
+    srgb: torch.Tensor,
+    quality: int,
+    *,
+    chroma: str = "4:2:0",
+    origin_px: tuple[int, int] = (0, 0),
 ) -> torch.Tensor:
-    """Do what :func:`jpeg` does at 4:2:0, closely, with a gradient to the pixels.
-
-    Sizes that are no multiples of 16 are padded on the right and at the bottom by repeating the
-    edge, as libjpeg does, and cut back.
+    """Do what :func:`jpeg` does, closely, with a gradient to the pixels.
 
     Args:
-        srgb: ``(B, 3, H, W)`` float32, [0, 1].
+        srgb: ``(B, 3, H, W)`` float32 (or float64, in which gradients are checked), [0, 1].
         quality: 1-100.
+        chroma: One of :data:`CHROMAS`.
         origin_px: See :func:`jpeg`.
 
     Returns:
-        ``(B, 3, H, W)`` float32, [0, 1], multiples of 1/255 (with a straight-through gradient).
+        ``(B, 3, H, W)``, [0, 1], multiples of 1/255 (with a straight-through gradient).
 
     Raises:
         ImageContractError: The images break the contract.
-        InputError: A place or a quality out of range.
+        InputError: Unknown chroma, or a place or a quality out of range.
     """
+    check_light(srgb, name="srgb")
     framed, left, top = _framed(srgb, quality, origin_px)
-    decoded = jpeg_codec_differentiable(framed, torch.tensor([float(quality)], device=srgb.device))
-    return quantise(decoded[..., top:, left:].clamp(0, 1), differentiable=True)
+    return quantise(soft_jpeg(framed, quality, chroma)[..., top:, left:], differentiable=True)
 
 
 class Jpeg(nn.Module):
@@ -197,12 +195,9 @@ class Jpeg(nn.Module):
             ImageContractError: The images break the contract.
             InputError: The place is no two whole numbers >= 0.
         """
-        picture = frames[-1]
+        codec, picture = jpeg_differentiable if differentiable else jpeg, frames[-1]
         for quality in self.qualities:
-            if differentiable:
-                picture = jpeg_differentiable(picture, quality, origin_px=origin_px)
-            else:
-                picture = jpeg(picture, quality, chroma=self.chroma, origin_px=origin_px)
+            picture = codec(picture, quality, chroma=self.chroma, origin_px=origin_px)
         return picture
 
     def extra_repr(self) -> str:

@@ -170,17 +170,12 @@ def test_fewer_samples_of_colour_lose_more() -> None:
     assert loss == sorted(loss, reverse=True)
 
 
-@pytest.mark.parametrize(
-    ("quality", "chroma", "apart_db"),
-    # Measured 36.5, 35.7, 28.3, 27.4 dB.
-    [(75, "4:2:2", 36), (75, "4:4:4", 35), (15, "4:2:2", 27.5), (15, "4:4:4", 26.5)],
-)
-def test_the_stand_in_is_as_far_from_other_samplings_as_it_says(
-    quality: int, chroma: str, apart_db: float
-) -> None:
+@pytest.mark.parametrize("chroma", CHROMAS)
+def test_the_stand_in_has_the_same_sampling(chroma: str) -> None:
+    # Colours as detailed as luminance: with another sampling it would be 27 to 32 dB away.
     images = smooth(16, 48, 48)
-    gap = psnr_db(jpeg(images, quality, chroma=chroma), jpeg_differentiable(images, quality))
-    assert apart_db < gap < apart_db + 2
+    soft = jpeg_differentiable(images, 15, chroma=chroma)
+    assert psnr_db(jpeg(images, 15, chroma=chroma), soft) > 37
 
 
 def test_a_file_is_what_its_last_frame_becomes_however_often_it_is_compressed() -> None:
@@ -189,9 +184,9 @@ def test_a_file_is_what_its_last_frame_becomes_however_often_it_is_compressed() 
     again = Jpeg([60, 30], "4:2:2")(frames, origin_px=(3, 1))
     once = jpeg(frames[1], 60, chroma="4:2:2", origin_px=(3, 1))
     assert torch.equal(again, jpeg(once, 30, chroma="4:2:2", origin_px=(3, 1)))
-    soft = Jpeg([60, 30])(frames, origin_px=(3, 1), differentiable=True)
-    first = jpeg_differentiable(frames[1], 60, origin_px=(3, 1))
-    assert torch.equal(soft, jpeg_differentiable(first, 30, origin_px=(3, 1)))
+    soft = Jpeg([60, 30], "4:2:2")(frames, origin_px=(3, 1), differentiable=True)
+    first = jpeg_differentiable(frames[1], 60, chroma="4:2:2", origin_px=(3, 1))
+    assert torch.equal(soft, jpeg_differentiable(first, 30, chroma="4:2:2", origin_px=(3, 1)))
 
 
 def test_settings_of_a_file_out_of_range_are_refused() -> None:
@@ -201,8 +196,9 @@ def test_settings_of_a_file_out_of_range_are_refused() -> None:
         Jpeg([50, 0])
     with pytest.raises(InputError, match="chroma=4:1:1: wanted one of 4:4:4"):
         Jpeg(50, "4:1:1")
-    with pytest.raises(InputError, match="chroma=4:1:1"):
-        jpeg(smooth(1, 8, 8), 50, chroma="4:1:1")
+    for codec in (jpeg, jpeg_differentiable):
+        with pytest.raises(InputError, match="chroma=4:1:1"):
+            codec(smooth(1, 8, 8), 50, chroma="4:1:1")
     with pytest.raises(ImageContractError, match="srgb: got"):
         Jpeg(50)(torch.zeros(1, 1, 1, 8, 8))
 

@@ -1,0 +1,116 @@
+"""What would JPEG make of a picture if rounding had a slope? The stand-in for training through it.
+
+The same steps and tables as libjpeg's (ITU-T T.81, JFIF 1.02): YCbCr, colours averaged over the
+pixels that share a sample, blocks of 8 x 8 transformed by cosines, divided by the table, rounded,
+and back, colours between samples interpolated linearly. Only two things differ: coefficients are
+rounded softly, x to [x] + (x - [x])³ (R. Shin, D. Song, "JPEG-resistant adversarial images", 2017,
+sec. 3; also in C. Reich et al. 2024, arXiv:2309.06978), and levels in between are not rounded.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import torch
+from kornia.color import rgb_to_ycbcr, ycbcr_to_rgb
+from torch.nn import functional as F
+
+from lrsr.camera.contract import check_light, check_setting
+from lrsr.camera.jpeg_estimate import luminance_table
+
+BLOCK_PX = 8
+SHARING = {"4:4:4": (1, 1), "4:2:2": (1, 2), "4:2:0": (2, 2)}
+"""(rows, columns) of pixels that share one sample of each colour."""
+
+_MIDDLE, _GREY = 128, 127.5  # what is 0 in a block: of luminance, of colours as kornia counts them
+_STEPS = ((17, 18, 24, 47), (18, 21, 26, 66), (24, 26, 56, 99), (47, 66, 99, 99))
+
+
+def soft_jpeg(srgb: torch.Tensor, quality: int, chroma: str = "4:2:0") -> torch.Tensor:
+    """Compress and decompress, with a gradient to every pixel.
+
+    Args:
+        srgb: ``(B, 3, H, W)``, float32 or float64, [0, 1], any H and W; blocks start at the first
+            pixel, those on the right and at the bottom repeat the edge.
+        quality: 1-100, of the Independent JPEG Group's scale.
+        chroma: One of :data:`SHARING`.
+
+    Returns:
+        ``(B, 3, H, W)``, [0, 1], not rounded.
+
+    Raises:
+        ImageContractError: ``srgb`` is no batch of three colours.
+        InputError: Unknown chroma, or the quality is out of range.
+
+    Example:
+        >>> soft_jpeg(torch.full((1, 3, 1, 1), 0.5), 50).mul(255).round().flatten().tolist()
+        [128.0, 128.0, 128.0]
+    """
+    check_light(srgb, name="srgb")
+    check_setting("quality", quality, 1 <= quality <= 100, "1 to 100")
+    check_setting("chroma", chroma, chroma in SHARING, f"one of {', '.join(SHARING)}")
+    height, width = srgb.shape[-2:]
+    rows, columns = SHARING[chroma]
+    ends = (-width % (columns * BLOCK_PX), -height % (rows * BLOCK_PX))
+    framed = F.pad(srgb, (0, ends[0], 0, ends[1]), mode="replicate")
+    middle = srgb.new_tensor([_MIDDLE, _GREY, _GREY])[:, None, None]
+    luma, colours = (rgb_to_ycbcr(framed) * 255 - middle).split((1, 2), 1)
+    luma = through_blocks(luma, torch.from_numpy(luminance_table(quality)))
+    colours = through_blocks(F.avg_pool2d(colours, (rows, columns)), chrominance_table(quality))
+    colours = colours[..., : math.ceil(height / rows), : math.ceil(width / columns)]
+    colours = F.interpolate(colours, scale_factor=(rows, columns), mode="bilinear")
+    planes = torch.cat([luma[..., :height, :width], colours[..., :height, :width]], 1)
+    decoded: torch.Tensor = ycbcr_to_rgb((planes + middle) / 255)
+    return decoded
+
+
+def chrominance_table(quality: int) -> torch.Tensor:
+    """Return the steps ``(8, 8)`` of both colours' coefficients (T.81, table K.2, scaled), float64.
+
+    Example:
+        >>> chrominance_table(75)[0, :5].tolist()
+        [9.0, 9.0, 12.0, 24.0, 50.0]
+    """
+    scale = 5000 // quality if quality < 50 else 200 - 2 * quality
+    table = np.full((BLOCK_PX, BLOCK_PX), 99)
+    table[:4, :4] = _STEPS
+    return torch.from_numpy(((table * scale + 50) // 100).clip(1, 255).astype(np.float64))
+
+
+def through_blocks(plane: torch.Tensor, table: torch.Tensor) -> torch.Tensor:
+    """Round the cosine coefficients of each block to multiples of ``table``, softly.
+
+    Args:
+        plane: ``(B, C, H, W)``, levels around 0; H and W multiples of 8.
+        table: ``(8, 8)``, rows: vertical frequencies.
+
+    Returns:
+        ``(B, C, H, W)``, clipped to [-128, 127].
+    """
+    cosines, steps = _cosines().to(plane), table.to(plane)
+    batch, channels, height, width = plane.shape
+    down, across = height // BLOCK_PX, width // BLOCK_PX
+    blocks = plane.reshape(batch, channels, down, BLOCK_PX, across, BLOCK_PX).transpose(-3, -2)
+    kept = soft_round(cosines @ blocks @ cosines.T / steps) * steps
+    decoded = (cosines.T @ kept @ cosines).transpose(-3, -2).reshape(plane.shape)
+    return decoded.clamp(-_MIDDLE, _MIDDLE - 1)
+
+
+def soft_round(numbers: torch.Tensor) -> torch.Tensor:
+    """Round to [x] + (x - [x])³: whole numbers stay, the slope is 0 there and 3/4 halfway.
+
+    Example:
+        >>> soft_round(torch.tensor([2.0, 2.5, -1.2])).mul(1000).round().tolist()
+        [2000.0, 2125.0, -1008.0]
+    """
+    whole = numbers.detach().round()
+    return whole + (numbers - whole) ** 3
+
+
+@lru_cache(maxsize=1)
+def _cosines() -> torch.Tensor:
+    """Return the orthonormal cosine transform ``(8, 8)``: rows are frequencies; float64."""
+    places = (2 * torch.arange(BLOCK_PX, dtype=torch.float64) + 1) * math.pi / (2 * BLOCK_PX)
+    waves = torch.cos(torch.arange(BLOCK_PX)[:, None] * places) / 2
+    waves[0] /= math.sqrt(2)
+    return waves
