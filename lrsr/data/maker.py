@@ -39,12 +39,14 @@ class MitsubaMaker:
         """Versions of the identities, of the renderer and of Mitsuba's variant."""
         from lrsr.identities.morphable import RECIPE_VERSION
         from lrsr.rendering.backend import choose_variant
-        from lrsr.rendering.renderer import RENDERER_VERSION
+        from lrsr.rendering.renderer import RENDERER_VERSION, SPECTRA_VERSION
 
+        variant = choose_variant().variant
         return {
             "identities": RECIPE_VERSION,
             "renderer": RENDERER_VERSION,
-            "variant": choose_variant().variant,
+            "variant": variant,
+            **({"spectra": SPECTRA_VERSION} if variant.endswith("spectral") else {}),
         }
 
     def head(self, recipe: ProbeRecipe) -> "Head":

@@ -102,6 +102,17 @@ def observer(edges_nm: tuple[float, ...]) -> FloatArray:
     return average(values[0], values[1:4], edges_nm) * np.diff(edges_nm) / photometric_unit()
 
 
+@lru_cache(maxsize=1)
+def srgb_curves() -> FloatArray:
+    """Return the linear sRGB of a reflectance under D65, wavelength by wavelength, ``(3, M)``.
+
+    At the wavelengths of :func:`table` "cie_1931", every 5 nm; rows sum to 1.
+    """
+    _, *observers, light = table("cie_1931")
+    curves = _XYZ_TO_RGB @ (np.array(observers) * light)
+    return np.asarray(curves / curves.sum(axis=1, keepdims=True))
+
+
 @lru_cache(maxsize=8)
 def daylight(edges_nm: tuple[float, ...]) -> FloatArray:
     """Return the bands ``(N,)`` of standard daylight D65 of luminance 1, the white of sRGB."""

@@ -21,6 +21,9 @@ from lrsr.rendering.standpoint import Standpoint, find_standpoint
 RENDERER_VERSION = "2"
 """Changes whenever the same head would give other pixels."""
 
+SPECTRA_VERSION = "1"
+"""Changes whenever it would do so only in variants that trace wavelengths."""
+
 MIN_SAMPLES = 16
 """No pixel has fewer samples, however fine its film."""
 

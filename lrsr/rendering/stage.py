@@ -20,6 +20,7 @@ from lrsr.rendering.lamps import describe_panels, map_data, move_panels
 from lrsr.rendering.materials import MATERIALS, bsdf
 from lrsr.rendering.scene import PIVOT_MM, Lighting, Pose, environment
 from lrsr.rendering.skin import Skin, find_skin
+from lrsr.rendering.skin_spectrum import VALUES, skin_albedo
 from lrsr.rendering.volume import (
     LONGEST_PATH,
     describe_boundary,
@@ -116,13 +117,16 @@ class Stage:
         properties = mi.Properties()
         translucent = part.material == "skin" and self._model() == "volumetric"
         given = [] if translucent else _textures(part)
-        textures = {name: bitmap(name, values) for name, values in given}
+        textures = {name: painted(part, name, values) for name, values in given}
         if translucent:
             properties["bsdf"] = mi.load_dict(describe_boundary(self.skin))
             properties["interior"] = mi.load_dict(describe_medium(self.skin, part))
         else:
             description, keys = bsdf(MATERIALS[part.material], textures)
             self._keys |= {(part.name, name): f"{part.name}.bsdf.{keys[name]}" for name in keys}
+            if part.material == "skin" and mi.is_spectral:
+                key = self._keys[part.name, "albedo"]
+                self._keys[part.name, "albedo"] = f"{key.removesuffix('data')}{VALUES}"
             properties["bsdf"] = mi.load_dict(description)
         mesh = mi.Mesh(
             part.name,
@@ -162,7 +166,8 @@ class Stage:
     def _update_texture(self, part: Part, name: str, texture: NDArray[np.float32]) -> None:
         mi = start()
         if (part.name, name) in self._keys:
-            if mi.is_spectral:  # which stores colours as coefficients
+            if name == "albedo" and mi.is_spectral and part.material != "skin":
+                # which stores colours as coefficients
                 tensor = mi.traverse(bitmap(name, texture))["data"]
             else:
                 tensor = mi.TensorXf(np.ascontiguousarray(texture))
@@ -201,6 +206,13 @@ def _textures(part: Part) -> list[tuple[str, NDArray[np.float32]]]:
     maps = (("height", part.height), ("roughness", part.roughness))
     given = [(name, texture[..., None]) for name, texture in maps if texture is not None]
     return [("albedo", part.albedo), *given]
+
+
+def painted(part: Part, name: str, texture: NDArray[np.float32]) -> Any:
+    """Make a ``mi.Texture`` of a map of a part; albedo of skin has skin's spectra, if any."""
+    if name == "albedo" and part.material == "skin" and start().is_spectral:
+        return skin_albedo(texture)
+    return bitmap(name, texture)
 
 
 def bitmap(name: str, texture: NDArray[np.float32]) -> Any:

@@ -48,7 +48,11 @@ def _parts(monkeypatch: pytest.MonkeyPatch) -> None:
 
     parts: dict[str, dict[str, Any]] = {
         "lrsr.identities.morphable": {"RECIPE_VERSION": "a", "sample_head": sample_head},
-        "lrsr.rendering.renderer": {"RENDERER_VERSION": "b", "Renderer": Renderer},
+        "lrsr.rendering.renderer": {
+            "RENDERER_VERSION": "b",
+            "SPECTRA_VERSION": "d",
+            "Renderer": Renderer,
+        },
         "lrsr.rendering.backend": {"choose_variant": lambda: SimpleNamespace(variant="c")},
     }
     monkeypatch.setattr("lrsr.identities.person.describe", lambda head: SOMEBODY)
@@ -60,6 +64,15 @@ def _parts(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_versions_are_those_of_all_that_changes_pixels() -> None:
     assert MitsubaMaker().versions == {"identities": "a", "renderer": "b", "variant": "c"}
+
+
+def test_variants_that_trace_wavelengths_have_a_version_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    backend = sys.modules["lrsr.rendering.backend"]
+    variant = SimpleNamespace(variant="llvm_ad_spectral")
+    monkeypatch.setattr(backend, "choose_variant", lambda: variant)
+    assert MitsubaMaker().versions["spectra"] == "d"
 
 
 def test_a_head_has_the_seed_of_its_split_and_the_name_of_the_recipe() -> None:
