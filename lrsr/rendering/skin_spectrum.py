@@ -7,7 +7,7 @@ analysis of skin color and its application to colorimetric color reproduction", 
 and Technology 40, 1996). So a spectrum here is the sum of three curves, one times red, one times
 green, one times blue of the texture: those that come nearest to the spectra of
 :mod:`lrsr.identities.skin.tone`, which follow from measured pigments, while under D65 the standard
-observer sees the texture's colour exactly. Their error is 0.006 (root mean square); smooth spectra
+observer sees the texture's colour exactly. Their error is 0.005 (root mean square); smooth spectra
 are 0.09 off.
 """
 

@@ -5,6 +5,7 @@ import pytest
 from oracles.heads import stand_in
 from scipy.stats import norm
 
+from lrsr.errors import InputError
 from lrsr.rendering import film
 from lrsr.rendering.backend import start
 from lrsr.rendering.film import describe_sensor, expose, grid_samples, pass_seed
@@ -78,3 +79,32 @@ def test_finer_films_are_aligned(renderer: Renderer) -> None:
         centre = np.array([(darkness * axis).sum() for axis in (x, y)]) / darkness.sum()
         centroids.append((centre + 0.5) / scale)
     np.testing.assert_allclose(centroids[1:], centroids[:1] * 2, atol=0.01)
+
+
+def test_what_the_observer_sees_of_bands_is_the_film_of_three_colours(
+    traced: dict[str, np.ndarray],
+) -> None:
+    observed, plain = traced["observed"], traced["plain"]
+    runs = len(plain)
+    variance = (observed.var(axis=0, ddof=1) + plain.var(axis=0, ddof=1)) / runs
+    # Curves are averaged over bands of 10 nm, which changes colours by 0.1 %.
+    tolerance = np.sqrt(variance + (2e-3 * plain.mean(axis=0)) ** 2)
+    z = np.abs(observed.mean(axis=0) - plain.mean(axis=0)) / tolerance
+    assert z.max() < 1.3 * norm.isf(0.001 / z.size)  # t with 22 degrees of freedom
+    assert observed.mean(axis=(0, 2, 3)) == pytest.approx(plain.mean(axis=(0, 2, 3)), rel=2e-3)
+
+
+def test_bands_of_one_seed_are_the_same_bytes(traced: dict[str, np.ndarray]) -> None:
+    assert np.array_equal(*traced["again"])
+    assert traced["again"].shape == (2, 35, 16, 16)
+
+
+def test_a_lens_delivers_the_bands_of_a_pinhole(traced: dict[str, np.ndarray]) -> None:
+    lens, pinhole = (traced[name].mean(axis=(1, 2)) for name in ("by_lens", "by_pinhole"))
+    assert lens == pytest.approx(pinhole, rel=0.05)  # one wavelength a ray: a band is known to 1 %
+    assert lens.mean() == pytest.approx(pinhole.mean(), rel=5e-3)
+
+
+def test_bands_of_a_variant_of_three_colours_are_refused(renderer: Renderer) -> None:
+    with pytest.raises(InputError, match=r"bands=35: .* set LRSR_VARIANT=llvm_ad_spectral"):
+        renderer.render(stand_in(0), ipd_px=4, samples_per_pixel=16, bands=35)

@@ -1,0 +1,140 @@
+"""What a variant that traces wavelengths shows; it must be the only one of its process.
+
+``python -m oracles.spectral OUT.npz`` with LRSR_VARIANT=llvm_ad_spectral; the numbers are judged by
+the tests of ``lrsr.rendering``.
+"""
+
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from oracles.heads import ellipsoid_part, stand_in
+
+from lrsr.identities.head import Head
+from lrsr.rendering import stage
+from lrsr.rendering.backend import start
+from lrsr.rendering.bands import band_edges, srgb_weights
+from lrsr.rendering.lens import find_lens
+from lrsr.rendering.renderer import Renderer
+from lrsr.rendering.scene import Lighting
+from lrsr.rendering.skin_spectrum import skin_albedo
+from lrsr.rendering.upsampling import filters, light_bands, meter_bands
+from lrsr.rendering.wavelengths import draw_wavelengths, split
+
+Arrays = dict[str, NDArray[Any]]
+EDGES = band_edges(35)
+COLOURS = np.array(
+    [[1.0, 1.0, 1.0], [1.0, 0.78, 0.45], [0.3, 2.0, 0.1], [0.0, 0.0, 0.5], [0, 0, 0]]
+)
+SKIN = np.array([0.45, 0.28, 0.2])
+RUNS = 12
+
+
+def shapes() -> Arrays:
+    """Light of given colours and skin of a given one, as Mitsuba has them at wavelengths."""
+    import drjit as dr
+
+    mi = start()
+    nm = np.arange(380.5, 730.0, 1.0)
+    si = dr.zeros(mi.SurfaceInteraction3f, len(nm))
+    si.wavelengths, si.wi = mi.Spectrum(mi.Float(nm)), mi.Vector3f(0, 0, 1)
+    lights = []
+    for colour in COLOURS:
+        even = np.tile(colour.astype(np.float32), (4, 8, 1))
+        emitter = mi.load_dict({"type": "envmap", "bitmap": mi.Bitmap(even)})
+        lights.append(np.array(emitter.eval(si))[0])
+    albedo = skin_albedo(np.tile(SKIN.astype(np.float32), (2, 2, 1)))
+    skin = np.array(albedo.eval(si))[0]
+    white = mi.cie_d65(mi.Float(nm))
+    seen = mi.spectrum_to_srgb(mi.Spectrum(mi.Float(skin) * white), si.wavelengths)
+    return {
+        "nm": nm,
+        "lights": np.array(lights),
+        "filters": filters(np.clip(COLOURS / 2, 0, 1), nm),
+        "light_bands": light_bands(COLOURS, EDGES),
+        "skin": skin,
+        "skin_seen": np.array(seen).sum(axis=1),
+        "metered_yellow": np.array(meter_bands(stage_light("room_yellow"), EDGES)),
+        "metered_above": np.array(meter_bands(stage_light("above"), EDGES)),
+    }
+
+
+def stage_light(name: str) -> Lighting:
+    from lrsr.rendering.scene import find_lighting
+
+    return find_lighting(name)
+
+
+def rays() -> Arrays:
+    """Wavelengths that are drawn, and light of one each, split into bands."""
+    mi = start()
+    uniform = (np.arange(1000) + 0.5) / 1000
+    drawn, weight = draw_wavelengths(mi.Float(uniform), (380.0, 730.0))
+    nm = np.array(
+        [[380.0, 389.99, 390.0, 555.0, 729.99, 731.0], [455.0] * 6, [379.0] * 6, [600.0] * 6]
+    )
+    light = np.array([[1.0] * 6, [2.0] * 6, [50.0] * 6, [0.0] * 6])
+    made = split(mi.Spectrum(light), mi.Spectrum(nm), EDGES)
+    return {
+        "drawn": np.array(drawn),
+        "weight": np.array(weight),
+        "split": np.array([np.array(band) for band in made]),
+        "unit": np.array(mi.MI_CIE_Y_NORMALIZATION),
+    }
+
+
+def pictures(renderer: Renderer) -> Arrays:
+    """The same face as sRGB and as bands, several times; and by a lens."""
+    ask: dict[str, Any] = {"lighting": "room_yellow", "ipd_px": 3, "samples_per_pixel": 256}
+    head, weights = stand_in(1), srgb_weights(EDGES)
+    renderer.render(stand_in(0), **ask)
+    plain = [renderer.render(head, seed=run, **ask).image.numpy() for run in range(RUNS)]
+    films = [renderer.render(head, seed=run, bands=35, **ask) for run in range(100, 100 + RUNS)]
+    again = renderer.render(head, seed=100, bands=35, **ask)
+    lens = renderer.render(head, bands=35, lens=find_lens("thin", f_number=2000.0), **ask)
+    return {
+        "plain": np.array(plain),
+        "observed": np.array([np.tensordot(weights, film.image.numpy(), 1) for film in films]),
+        "again": np.array([films[0].image.numpy(), again.image.numpy()]),
+        "by_lens": lens.image.numpy(),
+        "by_pinhole": np.mean([film.image.numpy() for film in films], axis=0),
+        "edges_nm": np.array(films[0].edges_nm),
+        "metered_bands": np.array(films[0].metered_bands),
+    }
+
+
+def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], dict[str, str]]:
+    diffuse = {"type": "diffuse", "reflectance": textures["albedo"]}
+    return diffuse, {"albedo": "reflectance.data"}
+
+
+def sphere() -> Arrays:
+    """A grey Lambertian sphere where the face would be, in a yellow room."""
+    usual, stage.bsdf = stage.bsdf, lambert
+    radius = 60.0
+    ball = ellipsoid_part("ball", "hair", (radius,) * 3, (0, -12.6, 0), np.full((2, 2, 3), 0.18))
+    head = Head("sphere", (ball,), np.array([[-31.5, 0, 0], [31.5, 0, 0]]), np.zeros((5, 3)))
+    light = replace(stage_light("room_yellow"), panels=(), fill_share=1.0)
+    asked = {"ipd_px": 16, "samples_per_pixel": 512, "camera_m": 10.0, "bands": 35}
+    result = Renderer().render(head, lighting=light, **asked)
+    stage.bsdf = usual
+    image = result.image.numpy()
+    side = image.shape[-1]
+    y, x = np.mgrid[:side, :side] - (side - 1) / 2
+    disc = x**2 + y**2 < (0.8 * 16 * radius / 63) ** 2
+    return {
+        "sphere": image[:, disc].mean(axis=1),
+        "sphere_metered": np.array(result.metered_bands),
+        "backdrop": image[:, 0, :].mean(axis=1),
+    }
+
+
+if __name__ == "__main__":
+    people = [stand_in(3), stand_in(4, ipd_mm=63.0), stand_in(3)]
+    renderer = Renderer()
+    ask: dict[str, Any] = {"ipd_px": 3, "samples_per_pixel": 64, "bands": 7}
+    turns = np.array([renderer.render(head, **ask).image.numpy() for head in people])
+    np.savez(sys.argv[1], **shapes(), **rays(), **pictures(renderer), **sphere(), turns=turns)
