@@ -97,7 +97,7 @@ def focus_shift_um(
         9.03
     """
     check_positive(focal_mm=focal_mm)
-    nearest = float(subject_m.min()) if isinstance(subject_m, torch.Tensor) else subject_m
+    nearest = float(subject_m.detach().min()) if isinstance(subject_m, torch.Tensor) else subject_m
     if not (1000 * nearest > focal_mm and 1000 * focus_m > focal_mm):
         raise InputError(
             f"subject at {nearest:g} m, focus at {focus_m:g} m: both must be farther than the "

@@ -51,12 +51,6 @@ def test_the_cut_into_chunks_shows_nowhere(monkeypatch: pytest.MonkeyPatch) -> N
     assert torch.allclose(convolve(images, weights), whole)
 
 
-def test_gradients_reach_picture_and_kernel() -> None:
-    images = torch.rand(2, 1, 3, 4, generator=RANDOM, dtype=torch.float64, requires_grad=True)
-    weights = kernels(1, 3, channels=1).requires_grad_()
-    assert torch.autograd.gradcheck(convolve, (images, weights))
-
-
 @pytest.mark.parametrize(
     ("shape", "message"),
     [

