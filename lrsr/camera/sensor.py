@@ -99,6 +99,7 @@ class Sensor(nn.Module):
         frame: int = 0,
         origin_px: tuple[int, int] = (0, 0),
         differentiable: bool = False,
+        rounding: bool = True,
     ) -> torch.Tensor:
         """Expose once.
 
@@ -109,41 +110,11 @@ class Sensor(nn.Module):
             origin_px: ``(x, y)`` of the first pixel on the sensor, which says whose gains they are.
             differentiable: Shot noise as √mean times a fixed normal number (re-parametrised: the
                 mean and variance of Poisson's, without its skewness of 1/√mean), rounding with a
-                straight-through gradient: that of :meth:`analogue`.
+                straight-through gradient.
+            rounding: False: return what the converter is given, which is not whole.
 
         Returns:
             Digital numbers ``(B, C, H, W)``, whole, 0 to 2^bits - 1, in the dtype of ``light``.
-
-        Raises:
-            ImageContractError: ``light`` is no batch of images.
-            InputError: A noisy sensor got no seeds, or not one for each image.
-        """
-        analogue = self.analogue(
-            light, seeds, frame=frame, origin_px=origin_px, differentiable=differentiable
-        )
-        numbers = analogue.detach().round()
-        return numbers + (analogue - analogue.detach()) if differentiable else numbers
-
-    def analogue(
-        self,
-        light: torch.Tensor,
-        seeds: Sequence[int] | None = None,
-        *,
-        frame: int = 0,
-        origin_px: tuple[int, int] = (0, 0),
-        differentiable: bool = False,
-    ) -> torch.Tensor:
-        """Return what the converter is given, in digital numbers: :meth:`forward` rounds them.
-
-        Args:
-            light: See :meth:`forward`, as all below.
-            seeds: One for each image.
-            frame: Number of the exposure.
-            origin_px: ``(x, y)`` of the first pixel on the sensor.
-            differentiable: Re-parametrised shot noise.
-
-        Returns:
-            ``(B, C, H, W)``, 0 to 2^bits - 1.
 
         Raises:
             ImageContractError: ``light`` is no batch of images.
@@ -159,7 +130,11 @@ class Sensor(nn.Module):
             electrons = electrons + self.read_noise_e * _normal(electrons, generators)
         else:
             electrons = electrons.clamp_max(self.full_well_e)
-        return (self.black_level_dn + self.dn_per_e * electrons).clamp(0, 2**self.bits - 1)
+        analogue = (self.black_level_dn + self.dn_per_e * electrons).clamp(0, 2**self.bits - 1)
+        if not rounding:
+            return analogue
+        numbers = analogue.detach().round()
+        return numbers + (analogue - analogue.detach()) if differentiable else numbers
 
     def light(self, raw: torch.Tensor) -> torch.Tensor:
         """Take the black level, with the mean dark current, off digital numbers; 1 = white.

@@ -6,6 +6,7 @@ rounding is checked, and that the gradient with rounding is the very same.
 """
 
 from collections.abc import Callable, Iterator
+from functools import partialmethod
 
 import pytest
 import torch
@@ -155,14 +156,14 @@ SENSOR = Sensor(1e4, read_noise_e=20.0, dark_current_e_per_s=50.0, bits=8, black
 def test_the_sensor_has_its_slope_without_rounding(channels: int) -> None:
     # Noise is fixed by its seeds. A converter of 8 bits: with rounding no step would be small.
     light = draw(2, channels, 4, 3)
-    assert gradcheck(lambda x: SENSOR.analogue(x, [3, 4], differentiable=True), (light,))
+    assert gradcheck(lambda x: SENSOR(x, [3, 4], differentiable=True, rounding=False), (light,))
 
 
 @pytest.mark.parametrize("low", [-0.2, 0.1], ids=["below black, beyond white", "in between"])
 def test_the_sensors_gradient_with_rounding_is_the_same(low: float) -> None:
     light, share = draw(2, 3, 20, 20, low=low, high=1 - low), draw(2, 3, 20, 20, seed=1).detach()
     rounded = SENSOR(light, [3, 4], differentiable=True)
-    analogue = SENSOR.analogue(light, [3, 4], differentiable=True)
+    analogue = SENSOR(light, [3, 4], differentiable=True, rounding=False)
     assert torch.equal(rounded, analogue.round())
     slopes = [torch.autograd.grad((x * share).sum(), light)[0] for x in (rounded, analogue)]
     assert torch.equal(*slopes)
@@ -222,6 +223,6 @@ def test_the_whole_chain_has_its_slope_without_rounding(
 ) -> None:
     for module in (camera, codec, encoding):
         monkeypatch.setattr(module, "quantise", lambda srgb, differentiable: srgb)
-    monkeypatch.setattr(Sensor, "forward", Sensor.analogue)
+    monkeypatch.setattr(Sensor, "forward", partialmethod(Sensor.forward, rounding=False))
     taken_by, exposed = whole(stored), draw(1, 3, 8, 10, low=0.3, high=0.5)
     assert gradcheck(lambda x: photograph(taken_by, x), (exposed,), eps=1e-7)
