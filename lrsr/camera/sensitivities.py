@@ -55,7 +55,7 @@ class Sensitivities:
         shaped = self.curves.shape == (3, len(self.nm)) and len(self.nm) >= 2
         finite = shaped and bool(np.isfinite(self.curves).all() and np.isfinite(self.nm).all())
         rising = finite and bool((np.diff(self.nm) > 0).all() and self.curves.min() >= 0)
-        if not rising or not (self.curves[:, (self.nm > 400) & (self.nm < 700)] > 0).any(1).all():
+        if not rising or not (self.curves[:, (self.nm >= 400) & (self.nm <= 700)] > 0).any(1).all():
             raise InputError(
                 f"sensitivities {self.name}: wanted rising wavelengths in nm and three curves >= 0"
                 " that answer to visible light"

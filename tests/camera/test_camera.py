@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 import torch
 from hydra.utils import instantiate
@@ -17,6 +18,7 @@ from lrsr.camera.mosaic import Mosaic
 from lrsr.camera.optics import Optics, bin_pixels
 from lrsr.camera.processing import Processing
 from lrsr.camera.sensor import Sensor
+from lrsr.camera.spectral import SpectralColour, observe
 from lrsr.camera.video import Video
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.images import linear_to_srgb
@@ -312,3 +314,77 @@ def test_a_place_or_a_film_that_does_not_fit_is_refused() -> None:
         full(origin_px=(-1, 0))
     with pytest.raises(ImageContractError, match="film: got 31x32, wanted multiples of 2"):
         full()(light(1, 31, 32), torch.ones(1), [0])
+
+
+MEASURED = SpectralColour("nikon_d5100")
+LAMP = Spectrum(
+    band_edges(35), (tuple((daylight(band_edges(35)) * np.linspace(0.6, 1.4, 35)).tolist()),) * 2
+)
+
+
+def test_one_film_of_bands_serves_cameras_with_and_without_measured_filters() -> None:
+    film, spectrum = banded(light() * 0.6)
+    real, three = full(colour=MEASURED), full(bands=35)
+    assert (real.bands, three.bands, full().bands) == (35, 35, 0)
+    for camera in (real, three, Camera(bands=35)):
+        srgb = camera(film, torch.ones(2), [1, 2], spectrum)
+        assert srgb.shape[:2] == (2, 3)
+    observed = observe(film, spectrum)
+    plain = full()(observed, torch.ones(2), [1, 2])
+    assert torch.equal(three(film, torch.ones(2), [1, 2], spectrum), plain)
+
+
+def test_measured_filters_record_a_white_sphere_as_every_camera_does() -> None:
+    wall = torch.tensor(LAMP.whites)[:, :, None, None].expand(2, 35, 32, 32)
+    white = round(255 * float(linear_to_srgb(torch.tensor(KEY))))
+    for camera in (Camera(colour=MEASURED), Camera(colour=MEASURED, mosaic=Mosaic())):
+        picture = camera(2 * wall, torch.full((2,), 2.0), None, LAMP).mul(255)
+        assert picture.unique().tolist() == pytest.approx([white])
+
+
+def test_measured_filters_differ_from_three_numbers_each() -> None:
+    film, spectrum = banded(light() * 0.6)
+    real = full(colour=MEASURED)(film, torch.ones(2), [1, 2], spectrum)
+    three = full()(observe(film, spectrum), torch.ones(2), [1, 2])
+    assert 2 < float((real - three).abs().mean()) * 255 < 60
+
+
+def test_the_references_of_a_camera_with_measured_filters_have_its_white_and_no_flaw() -> None:
+    scene = full(colour=SpectralColour(balance="scene"), exposure_ev=-1.0)
+    day = full(colour=SpectralColour(balance="daylight"), exposure_ev=-1.0)
+    for camera, adapted in ((scene, True), (day, False)):
+        clean = camera.clean()
+        assert clean.flawless
+        assert (clean.bands, clean.adapted, clean.name) == (35, adapted, "reference")
+        assert clean.clean().adapted == clean.compressing("heavy").adapted == adapted
+        film = torch.tensor(LAMP.whites)[:, :, None, None] * torch.rand(2, 1, 8, 8)
+        plain = Camera(exposure_ev=-1.0)(observe(film, LAMP, adapted=adapted), torch.ones(2))
+        assert torch.equal(clean(film, torch.ones(2), None, LAMP), plain)
+
+
+def test_another_compression_keeps_bands_and_filters() -> None:
+    heavy = full(colour=MEASURED, bands=70).compressing("heavy")
+    assert heavy.bands == 70
+    assert heavy.colour is MEASURED
+
+
+def test_the_gradient_reaches_the_bands_through_every_stage() -> None:
+    film, spectrum = banded(light() * 0.6)
+    film.requires_grad_()
+    camera = full("differentiable", "small", colour=MEASURED)
+    camera(film, torch.ones(2), [1, 2], spectrum).sum().backward()
+    assert film.grad is not None
+    assert bool(torch.isfinite(film.grad).all())
+    assert float(film.grad.abs().mean()) > 1e-4
+
+
+def test_measured_filters_refuse_light_of_three_colours() -> None:
+    with pytest.raises(InputError, match="LRSR_VARIANT=llvm_ad_spectral and bands=70"):
+        full(colour=MEASURED, bands=70)(light(), torch.ones(2), [1, 2])
+    with pytest.raises(InputError, match="bands=0: wanted 7 to 350, or 0 without measured"):
+        full(colour=MEASURED, bands=0)
+    with pytest.raises(InputError, match="bands=3: wanted 7 to 350"):
+        Camera(bands=3)
+    film, spectrum = banded(light())
+    with pytest.raises(ImageContractError, match=r"bands: got shape \(2, 34, 32, 32\)"):
+        Camera(bands=35)(film[:, 1:], torch.ones(2), None, spectrum)

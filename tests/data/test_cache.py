@@ -14,6 +14,7 @@ import torch
 from lrsr.data.cache import RenderCache
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.identities.person import Person
+from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance
 
 KEY = RenderCache.key({"who": 1})
@@ -60,6 +61,26 @@ def test_who_a_picture_shows_is_kept_with_it(cache: RenderCache) -> None:
     found = cache.get(KEY)
     assert found is not None
     assert found.person == person
+
+
+def test_bands_are_kept_with_their_edges_and_the_meters_light(cache: RenderCache) -> None:
+    bands = replace(
+        radiance(),
+        image=torch.rand(7, 4, 6),
+        edges_nm=band_edges(7),
+        metered_bands=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7),
+    )
+    cache.put(KEY, bands)
+    assert same(cache.get(KEY), bands)
+    with pytest.raises(ImageContractError, match=r"wanted \(B, 7, H, W\)"):
+        cache.put(KEY, replace(bands, image=torch.rand(3, 4, 6)))
+
+
+def test_films_of_three_colours_are_kept_as_they_were_before_there_were_bands(
+    cache: RenderCache,
+) -> None:
+    cache.put(KEY, radiance())
+    assert b"edges_nm" not in cache.path(KEY).read_bytes()
 
 
 def test_an_entry_from_before_the_gate_was_recorded_is_still_read(

@@ -11,6 +11,7 @@ from omegaconf import OmegaConf
 
 from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
+from lrsr.camera.spectral import SpectralColour
 from lrsr.data import ProbeDataModule
 from lrsr.data.cache import RenderCache
 from lrsr.data.patches import PatchDataset, cut_patches
@@ -264,3 +265,11 @@ def test_inputs_have_the_flaws_of_the_camera_and_targets_have_not(
     assert len(maker.renders) == made * 3 // 2  # the inputs, once more, and no target
     assert torch.equal(everything(data)[1], everything(plain)[1])
     assert not torch.equal(everything(data)[0], everything(plain)[0])
+
+
+def test_inputs_and_targets_of_measured_filters_come_from_bands(
+    folder: Path, maker: FakeMaker
+) -> None:
+    data = ready(folder, maker, camera=Camera(colour=SpectralColour("nikon_d5100")))
+    assert {(recipe.scale, recipe.bands) for recipe in maker.renders} == {(1, 35), (2, 35)}
+    assert all(bool(torch.isfinite(patches).all()) for patches in everything(data))

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from lrsr.camera import Camera
 from lrsr.camera.exposure import KEY
 from lrsr.camera.optics import bin_pixels
 from lrsr.camera.sensor import Sensor
+from lrsr.camera.spectral import SpectralColour
 from lrsr.data.cache import RenderCache
 from lrsr.data.probes import (
     ProbeRecipe,
@@ -361,3 +363,40 @@ def test_a_film_that_is_not_fine_enough_is_refused(cache: RenderCache, maker: Fa
         photograph(lights, NOISY, ["probe"])
     with pytest.raises(InputError, match="scale=8: wanted one of"):
         filmed(recipes(1, (4,))[0], NOISY)
+
+
+MEASURED = Camera(supersampling=2, colour=SpectralColour("nikon_d5100"), name="nikon")
+
+
+def test_a_camera_with_measured_filters_gets_bands_and_others_take_theirs(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    wanted = recipes(2, (1,))
+    load_probes(wanted, cache, MEASURED, progress=False, maker=maker)
+    assert [(made.scale, made.bands) for made in maker.renders] == [(2, 35)] * 2
+    plain = load_probes(wanted, cache, Camera(supersampling=2), progress=False, maker=maker)
+    assert [made.bands for made in maker.renders] == [35, 35, 0, 0]
+    same = load_probes(wanted, cache, Camera(supersampling=2, bands=35), maker=maker)
+    assert len(maker.renders) == 4, "one rendering serves both"
+    assert not torch.equal(same[0].image, plain[0].image)  # a fake maker's bands are no colours
+    assert filmed(filmed(wanted[0], MEASURED), Camera()).bands == 35
+
+
+def test_films_of_bands_and_of_colours_are_photographed_side_by_side(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    (recipe,) = recipes(1, (1,))
+    films = [replace(recipe, bands=bands) for bands in (0, 7, 35)]
+    lights = load_radiances(films, cache, progress=False, maker=maker)
+    probes = photograph(lights, Camera(), ["probe"] * 3)
+    assert len({probe.image.numpy().tobytes() for probe in probes}) == 3
+    alone = photograph(lights[1:2], Camera(), ["probe"])
+    assert torch.equal(alone[0].image, probes[1].image)
+
+
+def test_a_film_of_three_colours_is_refused_by_measured_filters(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    lights = load_radiances(recipes(1, (2,)), cache, progress=False, maker=maker)
+    with pytest.raises(InputError, match=r"need spectral bands.*LRSR_VARIANT"):
+        photograph(lights, MEASURED, ["probe"])

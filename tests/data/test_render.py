@@ -13,6 +13,7 @@ import lrsr.data.render as render_module
 from lrsr.camera import Camera
 from lrsr.camera.exposure import KEY
 from lrsr.camera.sensor import Sensor
+from lrsr.camera.spectral import SpectralColour
 from lrsr.data.cache import RenderCache
 from lrsr.data.manifest import read_manifest
 from lrsr.data.png import read_png
@@ -310,3 +311,16 @@ def test_only_the_probe_has_the_flaws_of_the_camera(
     assert torch.equal(ours, theirs)
     gallery = replace(settings, kind="gallery", scales=(1,))
     assert gallery.camera_of(1).flawless
+
+
+def test_a_camera_with_measured_filters_has_references_of_the_same_bands(
+    settings: RenderSettings, maker: FakeMaker
+) -> None:
+    real = Camera(supersampling=2, colour=SpectralColour("nikon_d5100"), name="nikon")
+    settings = replace(settings, count=1, camera=real, scales=(1, 2), png16=True)
+    render(settings, maker)
+    assert [(made.scale, made.bands) for made in maker.renders] == [(2, 35)] * 2
+    rows = sorted(read_manifest(settings.out), key=lambda row: row.scale)
+    assert [row.camera for row in rows] == ["nikon", "reference"]
+    assert read_png(settings.out / rows[0].linear_file).shape == (3, 32, 32)
+    assert read_png(settings.out / rows[1].linear_file).shape == (3, 64, 64)
