@@ -7,6 +7,7 @@ import torch
 
 from lrsr.camera.aberrations import Seidel, defocus_waves, focus_shift_um
 from lrsr.camera.contract import check_setting
+from lrsr.camera.convolution import convolve
 from lrsr.camera.diffraction import airy_kernel, check_positive, diffraction_length_um
 from lrsr.camera.pupil import pupil_kernel
 from lrsr.errors import InputError
@@ -15,6 +16,8 @@ TAIL = 16
 """How far kernels reach beyond the geometric blur, in λ / (2A): 98.7 % of an Airy disk's light."""
 STEP = 8
 """Pupils have multiples of so many samples: their Fourier transforms are fast."""
+WAVES = ("spherical_waves", "coma_waves", "astigmatism_waves", "curvature_waves")
+"""Seidel's aberrations, in the order of :class:`lrsr.camera.aberrations.Seidel`."""
 MAX_PUPIL = 1024
 """Samples across the pupil at most: enough for 120 waves of defocus."""
 
@@ -63,10 +66,8 @@ class Blur:
             check_setting(
                 "focus_m", self.focus_m, 1000 * self.focus_m > self.focal_mm, "> focal_mm"
             )
-        for name in ("defocus_um", "spherical_waves", "coma_waves", "astigmatism_waves"):
+        for name in ("defocus_um", *WAVES):
             check_setting(name, getattr(self, name), math.isfinite(getattr(self, name)), "a number")
-        curvature = self.curvature_waves
-        check_setting("curvature_waves", curvature, math.isfinite(curvature), "a number")
 
     @property
     def varies(self) -> bool:
@@ -111,6 +112,40 @@ class Blur:
         ]
         return torch.cat(kernels, dim=1)
 
+    def spread(
+        self,
+        film: torch.Tensor,
+        field: torch.Tensor,
+        pitch_um: float,
+        subject_m: torch.Tensor | float | None = None,
+    ) -> torch.Tensor:
+        """Blur pictures; those that need kernels of one size together, so that none sees another.
+
+        Args:
+            film: ``(B, C, H, W)``, linear light.
+            field: ``(1, 2)`` or ``(B, 2)``, places of their middles; length 1 is the edge.
+            pitch_um: See :meth:`kernels`.
+            subject_m: See :meth:`kernels`.
+
+        Returns:
+            ``(B, C, H, W)``.
+
+        Raises:
+            InputError: Not one distance for each image, or a blur that cannot be computed.
+        """
+        sizes = self.pupil_sizes(subject_m)
+        if len(sizes) == 1 or not isinstance(subject_m, torch.Tensor):
+            return convolve(film, self.kernels(field, pitch_um, subject_m))
+        if len(sizes) != len(film):
+            raise InputError(f"subject_m: {len(sizes)} distances for {len(film)} images")
+        result = torch.empty_like(film)
+        for size in sorted(set(sizes.tolist())):
+            alike = (sizes == size).to(film.device)
+            places = field if len(field) == 1 else field[alike]
+            blurred = convolve(film[alike], self.kernels(places, pitch_um, subject_m[alike]))
+            result = result.masked_scatter(alike[:, None, None, None], blurred)
+        return result
+
     def pupil_sizes(self, subject_m: torch.Tensor | float | None = None) -> torch.Tensor:
         """Return how many samples across the pupil each subject needs; 0: the lens is perfect.
 
@@ -150,15 +185,8 @@ class Blur:
         fronts = []
         for nm, axial_um in zip(self.wavelengths_nm, self.axial_colour_um, strict=True):
             scale = self.wavelengths_nm[len(self.wavelengths_nm) // 2] / nm
-            fronts.append(
-                Seidel(
-                    defocus_waves(shift_um + (self.defocus_um + axial_um), self.f_number, nm),
-                    self.spherical_waves * scale,
-                    self.coma_waves * scale,
-                    self.astigmatism_waves * scale,
-                    self.curvature_waves * scale,
-                )
-            )
+            defocus = defocus_waves(shift_um + (self.defocus_um + axial_um), self.f_number, nm)
+            fronts.append(Seidel(defocus, *(getattr(self, name) * scale for name in WAVES)))
         return fronts
 
     def _radius_px(self, size: int, pitch_um: float) -> int:

@@ -1,4 +1,8 @@
-"""What does a real lens make of the light before the sensor counts it? All its faults, in order."""
+"""What does a real lens make of the light before the sensor counts it? All its faults, in order.
+
+:mod:`lrsr.camera.bending` says where the light lands, :mod:`lrsr.camera.vignetting` how much of it,
+:mod:`lrsr.camera.blur` how it spreads.
+"""
 
 import math
 from collections.abc import Sequence
@@ -8,14 +12,13 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
+from lrsr.camera.bending import Bending
 from lrsr.camera.blur import Blur
 from lrsr.camera.contract import check_light, check_setting
-from lrsr.camera.convolution import convolve
 from lrsr.camera.diffraction import check_positive
 from lrsr.camera.distortion import Distortion
-from lrsr.camera.field import Field, mm_to_pixels, pixel_grid, pixels_to_mm, read_field
-from lrsr.camera.resampling import sample_bicubic
-from lrsr.camera.vignetting import mechanical_vignetting, natural_vignetting
+from lrsr.camera.field import Field, read_field
+from lrsr.camera.vignetting import Vignetting
 from lrsr.errors import ImageContractError, InputError
 
 VIEWS = ("facing", "planar")
@@ -111,10 +114,12 @@ class Optics(nn.Module):
         check_setting("view", view, view in VIEWS, " or ".join(VIEWS))
         self.pitch_um, self.field_radius_mm = pitch_um, field_radius_mm
         k1, k2 = _read_numbers("distortion", distortion, 2)
-        self.distortion = Distortion(k1, k2, focal_mm, field_radius_mm, facing=view == "facing")
-        self.lateral_colour_um = _read_numbers("lateral_colour_um", lateral_colour_um, 3)
-        self.natural_vignetting = natural_vignetting
-        self.rim = _read_rim(rim_radius_mm, rim_distance_mm)
+        lens = Distortion(k1, k2, focal_mm, field_radius_mm, facing=view == "facing")
+        lateral = _read_numbers("lateral_colour_um", lateral_colour_um, 3)
+        self.bending = Bending(lens, lateral)
+        pupil_radius_mm = focal_mm / (2 * f_number) if f_number else None
+        rim = (rim_radius_mm, rim_distance_mm)
+        self.vignetting = Vignetting(lens, natural_vignetting, pupil_radius_mm, *rim)
         faults: dict[str, Any] = {
             "focus_m": focus_m,
             "defocus_um": defocus_um,
@@ -126,7 +131,7 @@ class Optics(nn.Module):
         colours = _read_numbers("wavelengths_nm", wavelengths_nm, 3)
         axial = _read_numbers("axial_colour_um", axial_colour_um, 3)
         needing = [name for name, value in faults.items() if value]
-        needing += ["axial_colour_um"] * any(axial) + ["rim_radius_mm"] * bool(self.rim)
+        needing += ["axial_colour_um"] * any(axial) + ["rim_radius_mm"] * bool(rim_radius_mm)
         if f_number is None and needing:
             raise InputError(f"{needing[0]} without f_number: give the lens an f-number")
         self.blur = None
@@ -163,13 +168,10 @@ class Optics(nn.Module):
         _check_supersampling(supersampling)
         field = read_field(field_mm, linear, self.field_radius_mm)
         pitch_um = self.pitch_um / supersampling
-        film = linear
-        if any(self.lateral_colour_um) or not self.distortion.is_off:
-            film = self._bend(film, field, pitch_um / 1000)
-        if self.natural_vignetting or self.rim:
-            film = film * self._brightness(film, field, pitch_um / 1000)
+        film = self.bending.bend(linear, field, pitch_um / 1000)
+        film = self.vignetting.darken(film, field, pitch_um / 1000)
         if self.blur is not None:
-            film = self._spread(film, self.blur, field, pitch_um, subject_m)
+            film = self.blur.spread(film, field / self.field_radius_mm, pitch_um, subject_m)
         return film if film is linear else film.clamp_min(0)  # a cubic and an FFT may undershoot
 
     def point_spread(
@@ -204,6 +206,7 @@ class Optics(nn.Module):
         *,
         supersampling: int,
         field_mm: Field = (0.0, 0.0),
+        inverse: bool = False,
     ) -> torch.Tensor:
         """Return where points of the scene come to lie in the picture (landmarks, for example).
 
@@ -212,99 +215,16 @@ class Optics(nn.Module):
             size: (height, width) of the film.
             supersampling: Film pixels along a sensor pixel's side, >= 1.
             field_mm: See :meth:`forward`.
+            inverse: Return instead where on the film lies what the picture shows there.
 
         Raises:
             InputError: The crop lies off the sensor.
         """
-        field, pitch_mm = self._place(points_px, field_mm, supersampling)
-        scene = pixels_to_mm(points_px, size, pitch_mm, torch.zeros_like(field))
-        return mm_to_pixels(self.distortion.to_sensor(scene, field), size, pitch_mm, field)
-
-    def undistort_points(
-        self,
-        points_px: torch.Tensor,
-        size: tuple[int, int],
-        *,
-        supersampling: int,
-        field_mm: Field = (0.0, 0.0),
-    ) -> torch.Tensor:
-        """Invert :meth:`distort_points`: where on the film lies what the picture shows there?
-
-        Args:
-            points_px: ``(P, 2)``, or ``(B, P, 2)`` with one field for each; (x, y), film pixels.
-            size: (height, width) of the film.
-            supersampling: Film pixels along a sensor pixel's side, >= 1.
-            field_mm: See :meth:`forward`.
-
-        Raises:
-            InputError: The crop lies off the sensor.
-        """
-        field, pitch_mm = self._place(points_px, field_mm, supersampling)
-        sensor = pixels_to_mm(points_px, size, pitch_mm, field)
-        scene = self.distortion.to_film(sensor, field)
-        return mm_to_pixels(scene, size, pitch_mm, torch.zeros_like(field))
-
-    def _place(
-        self, points: torch.Tensor, field_mm: Field, supersampling: int
-    ) -> tuple[torch.Tensor, float]:
         _check_supersampling(supersampling)
-        field = read_field(field_mm, points, self.field_radius_mm)
-        return field[0] if len(field) == 1 else field[:, None], self.pitch_um / supersampling / 1000
-
-    def _bend(self, film: torch.Tensor, field: torch.Tensor, pitch_mm: float) -> torch.Tensor:
-        size, centre = (film.shape[-2], film.shape[-1]), field[:, None, None, None]
-        sensor = pixels_to_mm(pixel_grid(size, film), size, pitch_mm, centre)
-        if any(self.lateral_colour_um):
-            outwards = film.new_tensor(self.lateral_colour_um) / 1000 / self.field_radius_mm
-            sensor = sensor / (1 + outwards[:, None, None, None])
-        scene = self.distortion.to_film(sensor, centre)
-        return sample_bicubic(film, mm_to_pixels(scene, size, pitch_mm, torch.zeros_like(centre)))
-
-    def _spread(
-        self,
-        film: torch.Tensor,
-        blur: Blur,
-        field: torch.Tensor,
-        pitch_um: float,
-        subject_m: torch.Tensor | float | None,
-    ) -> torch.Tensor:
-        """Blur images that need kernels of one size together, so that none depends on another.
-
-        Raises:
-            InputError: Not one distance for each image, or a blur that cannot be computed.
-        """
-        relative = field / self.field_radius_mm
-        sizes = blur.pupil_sizes(subject_m)
-        if len(sizes) == 1 or not isinstance(subject_m, torch.Tensor):
-            return convolve(film, blur.kernels(relative, pitch_um, subject_m))
-        if len(sizes) != len(film):
-            raise InputError(f"subject_m: {len(sizes)} distances for {len(film)} images")
-        result = torch.empty_like(film)
-        for size in sorted(set(sizes.tolist())):
-            alike = (sizes == size).to(film.device)
-            places = relative if len(relative) == 1 else relative[alike]
-            kernels = blur.kernels(places, pitch_um, subject_m[alike])
-            result = result.masked_scatter(
-                alike[:, None, None, None], convolve(film[alike], kernels)
-            )
-        return result
-
-    def _brightness(self, film: torch.Tensor, field: torch.Tensor, pitch_mm: float) -> torch.Tensor:
-        """Return ``(N, 1, H, W)``, 1 on the axis."""
-        size = (film.shape[-2], film.shape[-1])
-        sensor = pixels_to_mm(pixel_grid(size, film), size, pitch_mm, field[:, None, None])
-        share = torch.ones_like(sensor[..., :1])
-        if self.natural_vignetting:
-            share = share * natural_vignetting(sensor, self.distortion)
-        if self.rim and self.blur is not None:
-            share = share * mechanical_vignetting(
-                sensor,
-                self.distortion,
-                pupil_radius_mm=self.blur.focal_mm / (2 * self.blur.f_number),
-                rim_radius_mm=self.rim[0],
-                rim_distance_mm=self.rim[1],
-            )
-        return share.permute(0, 3, 1, 2)
+        field = read_field(field_mm, points_px, self.field_radius_mm)
+        field = field[0] if len(field) == 1 else field[:, None]
+        pitch_mm = self.pitch_um / supersampling / 1000
+        return self.bending.move_points(points_px, size, field, pitch_mm, inverse=inverse)
 
 
 def _read_numbers(name: str, numbers: Sequence[float], count: int) -> tuple[float, ...]:
@@ -312,22 +232,6 @@ def _read_numbers(name: str, numbers: Sequence[float], count: int) -> tuple[floa
     finite = all(math.isfinite(value) for value in values)
     check_setting(name, list(values), len(values) == count and finite, f"{count} finite numbers")
     return values
-
-
-def _read_rim(radius_mm: float | None, distance_mm: float | None) -> tuple[float, float] | None:
-    """Return both, or None.
-
-    Raises:
-        InputError: Only one is given, or one is not positive.
-    """
-    if not radius_mm and not distance_mm:
-        return None
-    if not radius_mm or not distance_mm:
-        raise InputError(
-            f"rim_radius_mm={radius_mm}, rim_distance_mm={distance_mm}: give both or neither"
-        )
-    check_positive(rim_radius_mm=radius_mm, rim_distance_mm=distance_mm)
-    return radius_mm, distance_mm
 
 
 def _check_supersampling(supersampling: int) -> None:

@@ -1,11 +1,78 @@
 """How much darker are the corners? The cos⁴ law, and rims that cut the light's bundle."""
 
 import math
+from dataclasses import dataclass
 
 import torch
 
 from lrsr.camera.diffraction import check_positive
 from lrsr.camera.distortion import Distortion
+from lrsr.camera.field import pixel_grid, pixels_to_mm
+from lrsr.errors import InputError
+
+
+@dataclass(frozen=True)
+class Vignetting:
+    """What of a lens's light each place on the sensor gets.
+
+    Attributes:
+        distortion: Of the lens; also holds its focal length.
+        natural: cos⁴ law, and what distortion gives back.
+        pupil_radius_mm: Of the entrance pupil, mm, > 0; a rim needs it.
+        rim_radius_mm: Of a rim before the pupil, mm, > 0; None: there is none.
+        rim_distance_mm: From the pupil to that rim, mm, > 0.
+
+    Raises:
+        InputError: Only one of the rim's lengths is given, or a length is not positive.
+    """
+
+    distortion: Distortion
+    natural: bool = False
+    pupil_radius_mm: float | None = None
+    rim_radius_mm: float | None = None
+    rim_distance_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the rim.
+
+        Raises:
+            InputError: It cannot be one.
+        """
+        radius, distance = self.rim_radius_mm, self.rim_distance_mm
+        if bool(radius) != bool(distance):
+            raise InputError(
+                f"rim_radius_mm={radius}, rim_distance_mm={distance}: give both or neither"
+            )
+        if radius and distance:
+            check_positive(rim_radius_mm=radius, rim_distance_mm=distance)
+
+    def darken(self, film: torch.Tensor, field: torch.Tensor, pitch_mm: float) -> torch.Tensor:
+        """Give each pixel of a crop its share of the light.
+
+        Args:
+            film: ``(B, C, H, W)``, linear light.
+            field: ``(1, 2)`` or ``(B, 2)``, the crop's middle on the sensor, mm from the axis.
+            pitch_mm: Of the film's pixels, mm.
+
+        Returns:
+            ``(B, C, H, W)``, unchanged on the axis; ``film`` itself if all is off.
+        """
+        if not (self.natural or self.rim_radius_mm):
+            return film
+        size = (film.shape[-2], film.shape[-1])
+        places = pixels_to_mm(pixel_grid(size, film), size, pitch_mm, field[:, None, None])
+        if self.natural:
+            film = film * natural_vignetting(places, self.distortion).permute(0, 3, 1, 2)
+        if self.pupil_radius_mm and self.rim_radius_mm and self.rim_distance_mm:
+            share = mechanical_vignetting(
+                places,
+                self.distortion,
+                pupil_radius_mm=self.pupil_radius_mm,
+                rim_radius_mm=self.rim_radius_mm,
+                rim_distance_mm=self.rim_distance_mm,
+            )
+            film = film * share.permute(0, 3, 1, 2)
+        return film
 
 
 def natural_vignetting(points_mm: torch.Tensor, distortion: Distortion) -> torch.Tensor:

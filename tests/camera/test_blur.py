@@ -4,6 +4,7 @@ import pytest
 import torch
 
 from lrsr.camera.blur import Blur
+from lrsr.camera.convolution import convolve
 from lrsr.camera.diffraction import airy_kernel
 from lrsr.errors import InputError
 
@@ -99,3 +100,18 @@ def test_an_impossible_lens_is_refused(setting: dict[str, float], message: str) 
 def test_a_focused_lens_asks_for_the_subjects_distance() -> None:
     with pytest.raises(InputError, match="give its distance too"):
         Blur(1.4, focus_m=2.0).kernels(AXIS, 1.0)
+
+
+def test_spreading_is_convolution_with_each_subjects_kernel() -> None:
+    blur = Blur(1.4, focal_mm=8.0, focus_m=2.0, coma_waves=0.5)
+    film = torch.rand(3, 3, 12, 10, generator=torch.Generator().manual_seed(0))
+    fields, subjects = torch.cat([AXIS, RIGHT, DOWN]), torch.tensor([2.0, 0.5, 8.0])
+    spread = blur.spread(film, fields, 1.0, subjects)
+    for i in range(3):
+        kernel = blur.kernels(fields[i : i + 1], 1.0, subjects[i : i + 1])
+        assert torch.allclose(spread[i : i + 1], convolve(film[i : i + 1], kernel), atol=1e-6)
+
+
+def test_spreading_wants_one_distance_for_each_image() -> None:
+    with pytest.raises(InputError, match="3 distances for 2 images"):
+        Blur(1.4, focus_m=2.0).spread(torch.zeros(2, 3, 4, 4), AXIS, 1.0, torch.ones(3))

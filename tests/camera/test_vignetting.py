@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from lrsr.camera.distortion import Distortion
-from lrsr.camera.vignetting import mechanical_vignetting, natural_vignetting
+from lrsr.camera.vignetting import Vignetting, mechanical_vignetting, natural_vignetting
 from lrsr.errors import InputError
 
 PINHOLE = Distortion(focal_mm=3.0)
@@ -73,3 +73,30 @@ def test_a_rim_without_size_is_refused(name: str) -> None:
     lengths = {"pupil_radius_mm": 1.0, "rim_radius_mm": 1.0, "rim_distance_mm": 1.0, name: 0.0}
     with pytest.raises(InputError, match=f"{name} 0"):
         mechanical_vignetting(PLACES, PINHOLE, **lengths)
+
+
+def test_each_image_gets_the_light_of_its_place() -> None:
+    fields = torch.tensor([[0.0, 0.0], [1.5, 2.0]])
+    rim = {"pupil_radius_mm": 1.0, "rim_radius_mm": 1.2, "rim_distance_mm": 2.0}
+    dark = Vignetting(PINHOLE, natural=True, **rim).darken(torch.ones(2, 3, 5, 5), fields, 1e-4)
+    alone = natural_vignetting(fields, PINHOLE) * mechanical_vignetting(fields, PINHOLE, **rim)
+    assert torch.allclose(dark[:, :, 2, 2], alone.expand(2, 3))
+    assert bool((dark[1, :, 0, 0] > dark[1, :, 4, 4]).all())
+
+
+def test_without_vignetting_the_film_is_returned_itself() -> None:
+    film = torch.ones(1, 3, 4, 4)
+    assert Vignetting(PINHOLE, pupil_radius_mm=1.0).darken(film, torch.zeros(1, 2), 0.001) is film
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ({"rim_radius_mm": 1.0}, "rim_radius_mm=1.0, rim_distance_mm=None: give both or neither"),
+        ({"rim_distance_mm": 1.0}, "give both or neither"),
+        ({"rim_radius_mm": -1.0, "rim_distance_mm": 1.0}, "rim_radius_mm -1"),
+    ],
+)
+def test_an_impossible_rim_is_refused(setting: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Vignetting(PINHOLE, pupil_radius_mm=1.0, **setting)
