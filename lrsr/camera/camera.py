@@ -218,6 +218,10 @@ class Camera(nn.Module):
         if self.sensor is not None:
             where: dict[str, Any] = {"frame": frame, "origin_px": self.origin_px}
             raw = self.sensor.light(self.sensor(raw, seeds, differentiable=soft, **where))
+        if self._measured is not None:
+            gains = self._measured.gains(spectrum, (raw.shape[-2], raw.shape[-1])).to(raw)
+            gains = gains if self.mosaic is None else self.mosaic.filter(gains, self.origin_px)
+            raw = (raw * gains).clamp_max(1.0)
         if self.mosaic is not None:
             raw = self.mosaic(raw, self.origin_px)
         if self.colour is not None:

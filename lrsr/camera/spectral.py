@@ -87,26 +87,40 @@ class SpectralColour(nn.Module):
         edges = needed(spectrum).edges_nm
         return weigh(bands, [self.sensitivities.weights(edges)] * len(bands))
 
-    def forward(self, raw: torch.Tensor, spectrum: Spectrum | None) -> torch.Tensor:
-        """Balance raw channels ``(B, 3, H, W)``, clip them at white, and unmix them.
+    def gains(self, spectrum: Spectrum | None, size: tuple[int, int]) -> torch.Tensor:
+        """Return the white balance of each film at each pixel, ``(B, 3, H, W)`` float64.
+
+        A camera multiplies each photosite by its filter's gain and clips at white before it
+        interpolates, which takes the three channels of a grey edge for equal.
 
         Args:
-            raw: Of each film.
+            spectrum: Holds the light of each film.
+            size: (height, width).
+
+        Raises:
+            InputError: The light has no bands.
+        """
+        edges, whites = needed(spectrum).edges_nm, needed(spectrum).whites
+        gains = torch.tensor(np.array([self.rendition(edges, white).gains for white in whites]))
+        return gains[:, :, None, None].expand(-1, -1, *size)
+
+    def forward(self, balanced: torch.Tensor, spectrum: Spectrum | None) -> torch.Tensor:
+        """Unmix balanced channels ``(B, 3, H, W)``.
+
+        Args:
+            balanced: Of each film, white being 1.
             spectrum: Holds the light of each.
 
         Returns:
             ``(B, 3, H, W)``, linear sRGB; may be < 0, and > 1 where the matrix has entries > 1.
 
         Raises:
-            ImageContractError: ``raw`` is no batch of three colours.
+            ImageContractError: ``balanced`` is no batch of three colours.
             InputError: The light has no bands.
         """
-        check_light(raw, name="raw")
+        check_light(balanced, name="balanced")
         edges, whites = needed(spectrum).edges_nm, needed(spectrum).whites
-        looks = [self.rendition(edges, white) for white in whites]
-        gains = torch.tensor(np.array([look.gains for look in looks])).to(raw)
-        balanced = (raw * gains[:, :, None, None]).clamp_max(1.0)
-        return weigh(balanced, [look.matrix for look in looks])
+        return weigh(balanced, [self.rendition(edges, white).matrix for white in whites])
 
     def rendition(
         self, edges_nm: tuple[float, ...], white: tuple[float, ...] | None = None

@@ -13,6 +13,7 @@ import lrsr.camera
 from lrsr.camera import Camera
 from lrsr.camera.codec import COMPRESSIONS, Jpeg, jpeg
 from lrsr.camera.colour import Colour
+from lrsr.camera.encoding import encode
 from lrsr.camera.exposure import KEY, expose
 from lrsr.camera.mosaic import Mosaic
 from lrsr.camera.optics import Optics, bin_pixels
@@ -388,3 +389,15 @@ def test_measured_filters_refuse_light_of_three_colours() -> None:
     film, spectrum = banded(light())
     with pytest.raises(ImageContractError, match=r"bands: got shape \(2, 34, 32, 32\)"):
         Camera(bands=35)(film[:, 1:], torch.ones(2), None, spectrum)
+
+
+def test_photosites_are_balanced_before_colours_are_interpolated() -> None:
+    # The edges of a grey wall have one profile in all balanced channels.
+    edge = torch.full((1, 1, 16, 16), 0.2)
+    edge[..., 5:11] = 0.8
+    film = torch.tensor(LAMP.whites)[:1, :, None, None] * edge
+    light = Spectrum(LAMP.edges_nm, LAMP.whites[:1])
+    srgb = Camera(colour=MEASURED, mosaic=Mosaic())(film, torch.ones(1), None, light)
+    grey = Mosaic()(Mosaic().filter(KEY * edge.expand(1, 3, 16, 16)))
+    wanted = encode(MEASURED(grey, light))
+    assert float((srgb - wanted).abs().max()) <= 1.001 / 255

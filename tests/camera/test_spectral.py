@@ -21,15 +21,22 @@ def film(level: float = 1.0) -> torch.Tensor:
     return level * torch.tensor(WHITES)[:, :, None, None].expand(2, 35, 4, 4)
 
 
+def shown(colour: SpectralColour, light: torch.Tensor, spectrum: Spectrum = BOTH) -> torch.Tensor:
+    """Return what three chips without noise make of light."""
+    raw = colour.filter(light, spectrum)
+    gains = colour.gains(spectrum, (light.shape[2], light.shape[3])).to(raw)
+    return colour((raw * gains).clamp_max(1.0), spectrum)
+
+
 def test_the_light_of_the_scene_becomes_white() -> None:
     colour = SpectralColour(balance="scene")
-    white = colour(colour.filter(film(0.9), BOTH), BOTH)
+    white = shown(colour, film(0.9))
     np.testing.assert_allclose(white.numpy(), 0.9, rtol=1e-5)
 
 
 def test_fixed_balance_leaves_rooms_their_hue() -> None:
     colour = SpectralColour(balance="daylight")
-    day, lamp = colour(colour.filter(film(0.4), BOTH), BOTH).mean((2, 3)).tolist()
+    day, lamp = shown(colour, film(0.4)).mean((2, 3)).tolist()
     assert day == pytest.approx([0.4] * 3, rel=1e-5)
     assert lamp[0] > lamp[1] > lamp[2] > 0
     # sRGB of illuminant A of luminance 0.4, as the observer has it, to what the filters miss.
@@ -48,8 +55,7 @@ def test_filters_are_sums_over_bands() -> None:
 
 def test_white_clips() -> None:
     colour = SpectralColour()
-    shown = colour(colour.filter(film(5.0), BOTH), BOTH)
-    np.testing.assert_allclose(shown.numpy(), 1.0, rtol=1e-5)
+    np.testing.assert_allclose(shown(colour, film(5.0)).numpy(), 1.0, rtol=1e-5)
 
 
 def test_a_balance_that_misses_leaves_a_cast() -> None:
@@ -70,21 +76,18 @@ def test_what_is_found_for_a_light_is_found_once() -> None:
 def test_a_picture_does_not_depend_on_its_batch() -> None:
     colour = SpectralColour()
     light = torch.rand(2, 35, 9, 7, generator=torch.Generator().manual_seed(1))
-    together = colour(colour.filter(light, BOTH), BOTH)
+    together = shown(colour, light)
     for i in range(2):
         alone = Spectrum(EDGES, (WHITES[i],))
-        picture = colour(colour.filter(light[i : i + 1], alone), alone)
+        picture = shown(colour, light[i : i + 1], alone)
         assert torch.equal(picture[0], together[i])
 
 
 def test_the_gradient_reaches_every_band() -> None:
     colour = SpectralColour()
-    light = (0.3 * film()).double().requires_grad_()
-
-    def shown(bands: torch.Tensor) -> torch.Tensor:
-        return colour(colour.filter(bands, BOTH), BOTH)
-
-    assert torch.autograd.gradcheck(lambda x: shown(x[:, :, :1, :1]), (light,), atol=1e-6)
+    light = (0.3 * film()).double()
+    few = light[:, :, :1, :1].detach().clone().requires_grad_()
+    assert torch.autograd.gradcheck(lambda bands: shown(colour, bands), (few,), atol=1e-6)
 
 
 def test_an_observer_sees_daylight_white_or_what_he_is_adapted_to() -> None:
@@ -110,6 +113,8 @@ def test_three_colours_are_refused_with_the_remedy() -> None:
         SpectralColour().filter(torch.rand(1, 3, 2, 2), None)
     with pytest.raises(InputError, match=says):
         SpectralColour()(torch.rand(1, 3, 2, 2), None)
+    with pytest.raises(InputError, match=says):
+        SpectralColour().gains(None, (2, 2))
     assert needed(BOTH) is BOTH
 
 
