@@ -142,40 +142,44 @@ class Distortion:
 
 
 def fit_distortion(
-    half_sizes_mm: Sequence[float], half_angles_deg: Sequence[float], focal_mm: float
+    half_sizes_mm: Sequence[float],
+    half_angles_deg: Sequence[float],
+    focal_mm: float,
+    orders: Sequence[int] = (3,),
 ) -> tuple[float, float]:
     """Find (k1, k2) of a lens that sees given angles at given distances from the axis.
 
     Args:
-        half_sizes_mm: One or two distances on the sensor, mm; with one, k2 = 0.
+        half_sizes_mm: Distances on the sensor, mm; as many as orders.
         half_angles_deg: What is seen there, degrees from the optical axis, < 90.
         focal_mm: Focal length, mm.
+        orders: Which terms bend: 3 (k1), 5 (k2) or both; the other is 0.
 
     Raises:
-        InputError: Not one or two pairs, a number that is not positive, or 90° and more.
+        InputError: Not one pair for each order, a number that is not positive, or 90° and more.
 
     Example:
-        The reference camera: 95° x 51° on 1920 x 1080 pixels of 2.65 µm behind 3 mm.
+        The reference camera, 95° wide on 1920 pixels of 2.65 µm behind 3 mm:
 
-        >>> fitted = fit_distortion((960 * 2.65e-3, 540 * 2.65e-3), (47.5, 25.5), 3.0)
-        >>> [round(k, 3) for k in fitted]
-        [-0.185, 0.812]
+        >>> k1, k2 = fit_distortion((960 * 2.65e-3,), (47.5,), 3.0, orders=(5,))
+        >>> k1, round(k2, 3)
+        (0.0, 0.555)
     """
-    if len(half_sizes_mm) != len(half_angles_deg) or len(half_sizes_mm) not in (1, 2):
+    if tuple(orders) not in {(3,), (5,), (3, 5)}:
+        raise InputError(f"orders {tuple(orders)}: give (3,), (5,) or (3, 5)")
+    if not len(half_sizes_mm) == len(half_angles_deg) == len(orders):
         raise InputError(
-            f"{len(half_sizes_mm)} sizes and {len(half_angles_deg)} angles: give one or two of each"
+            f"{len(half_sizes_mm)} sizes and {len(half_angles_deg)} angles: give as many of each "
+            f"as orders, {len(orders)}"
         )
     check_positive(focal_mm=focal_mm)
+    rows, excess = [], []
     for size, angle in zip(half_sizes_mm, half_angles_deg, strict=True):
         check_positive(half_size_mm=size, half_angle_deg=angle)
         check_setting("half_angle_deg", angle, angle < 90, "less than 90: a flat picture's edge")
-    radii = [size / focal_mm for size in half_sizes_mm]
-    excess = [
-        math.tan(math.radians(angle)) / radius - 1
-        for angle, radius in zip(half_angles_deg, radii, strict=True)
-    ]
-    if len(radii) == 1:
-        return excess[0] / radii[0] ** 2, 0.0
-    rows = torch.tensor([[r**2, r**4] for r in radii], dtype=torch.float64)
-    k1, k2 = torch.linalg.solve(rows, torch.tensor(excess, dtype=torch.float64)).tolist()
-    return k1, k2
+        radius = size / focal_mm
+        rows.append([radius ** (order - 1) for order in orders])
+        excess.append(math.tan(math.radians(angle)) / radius - 1)
+    solved = torch.linalg.solve(*(torch.tensor(x, dtype=torch.float64) for x in (rows, excess)))
+    found = dict(zip(orders, solved.tolist(), strict=True))
+    return found.get(3, 0.0), found.get(5, 0.0)
