@@ -6,6 +6,7 @@ thread: 0.37 to 0.87 s.
 
 import io
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from lrsr.camera import Camera
 from lrsr.camera.codec import COMPRESSIONS, jpeg
 from lrsr.paths import config_folder
+from lrsr.rendering.bands import Spectrum, band_edges, daylight
 
 BATCH = 64
 LIGHT = torch.rand(BATCH, 3, 32, 32, generator=torch.Generator().manual_seed(0))
@@ -63,17 +65,24 @@ def test_reference_pillow(benchmark: BenchmarkFixture) -> None:
 
 @pytest.mark.usefixtures("one_thread")
 @pytest.mark.benchmark(group="camera, full chain: 1000 probes of 32x32, batches of 64 as in use")
-@pytest.mark.parametrize("preset", ["ideal", "phone", "webcam", "scface_cam1", "scface_cam3"])
+@pytest.mark.parametrize(
+    "preset", ["ideal", "phone", "webcam", "scface_cam1", "scface_cam3", "nikon_d5100"]
+)
 def test_full_chain(benchmark: BenchmarkFixture, preset: str) -> None:
     camera = instantiate(OmegaConf.load(config_folder() / "camera" / f"{preset}.yaml"))
     side = 32 * camera.supersampling
-    light = torch.rand(BATCH, 3, side, side, generator=torch.Generator().manual_seed(0))
+    channels, spectrum = camera.bands or 3, None
+    if camera.bands:
+        edges = band_edges(camera.bands)
+        spectrum = Spectrum(edges, (tuple(daylight(edges).tolist()),) * BATCH)
+    light = torch.rand(BATCH, channels, side, side, generator=torch.Generator().manual_seed(0))
 
     def thousand() -> int:
         done = 0
         while done < 1000:
             size = min(BATCH, 1000 - done)
-            done += len(camera(light[:size], METERED[:size], range(done, done + size)))
+            own = spectrum and replace(spectrum, whites=spectrum.whites[:size])
+            done += len(camera(light[:size], METERED[:size], range(done, done + size), own))
         return done
 
     with torch.no_grad():
