@@ -5,10 +5,10 @@ macroblocks of 16 × 16 pixels (ITU-T H.264, sec. 7.4.5), with noise of its own 
 face is placed in a larger frame, where its macroblocks fall as ``origin_px`` says, several frames
 of it are encoded by FFmpeg (libx264, mjpeg) through PyAV, and the last one is decoded and cut out.
 There is no gradient. The stand-in for training is :func:`lrsr.camera.codec.jpeg_differentiable` at
-a quality that loses as much (:data:`STAND_IN`), but not the same: on smooth random images with
-colours as weak as skin's, H.264 at a constant rate factor of 18, 28, 38 keeps 40-43, 35-39,
-30-34 dB, the stand-in as much within 1 dB, and the two are 39-41, 34-37, 30-32 dB apart, as far as
-either is from the original. Train through it for the amount of loss; evaluate with the true codec.
+a quality that loses as much (:data:`STAND_IN`), but not the same: on rendered faces of 52 pixels
+H.264 at a constant rate factor of 18, 28, 38 keeps 36.9, 32.0, 27.1 dB, the stand-in as much within
+0.1 dB (0.7 dB at 26 and 104 pixels), and the two are 37.5, 32.0, 26.9 dB apart, as far as either is
+from the original. Train through it for the amount of loss; evaluate with the true codec.
 """
 
 from collections.abc import Sequence
@@ -30,11 +30,13 @@ CODECS = {"h264": ("libx264", "yuv420p"), "mjpeg": ("mjpeg", "yuvj422p")}
 """Encoders of FFmpeg, and the samples of colour that cameras give them."""
 
 STAND_IN = {
-    "h264": {18: 57, 23: 41, 28: 27, 33: 17, 38: 11, 43: 7},
-    "mjpeg": {2: 64, 4: 46, 8: 28, 16: 16, 31: 9},
+    "h264": {18: 91, 23: 82, 28: 59, 33: 26, 38: 12, 43: 6},
+    "mjpeg": {2: 91, 4: 78, 8: 41, 16: 17, 31: 9},
 }
-"""JPEG quality at 4:2:0 of equal loss, by constant rate factor: measured on smooth random images,
-the mean of grains of 8 and 16 px, which differ by up to 20; in between it is interpolated."""
+"""JPEG quality of equal loss, by constant rate factor: measured on four rendered faces of 52 pixels
+a side without noise; in between it is interpolated."""
+
+STAND_IN_CHROMA = {"h264": "4:2:0", "mjpeg": "4:2:2"}
 
 _MACROBLOCK_PX = 16
 _GREY = 0.5
@@ -119,7 +121,8 @@ class Video(nn.Module):
         for frame in frames:
             check_images(frame, name="srgb")
         if differentiable:
-            return jpeg_differentiable(frames[-1], self.stand_in_quality, origin_px=origin_px)
+            quality, chroma = self.stand_in_quality, STAND_IN_CHROMA[self.codec]
+            return jpeg_differentiable(frames[-1], quality, chroma=chroma, origin_px=origin_px)
         size = frames.shape[-2:]
         played = []
         for recording in frames.unbind(1):

@@ -5,9 +5,9 @@ import pytest
 import torch
 
 from lrsr.camera.codec import jpeg_differentiable
-from lrsr.camera.video import Video, play
+from lrsr.camera.video import STAND_IN, Video, play
 from lrsr.errors import ImageContractError, InputError
-from lrsr.images import resize_bicubic
+from lrsr.images import linear_to_srgb, resize_bicubic
 
 
 def recordings(
@@ -100,14 +100,28 @@ def test_what_surrounds_the_face_may_be_grey_or_its_edge() -> None:
     assert psnr_db(grey, edge) < 45
 
 
-@pytest.mark.parametrize(("codec", "crf"), [("h264", 28), ("mjpeg", 8)])
-def test_the_stand_in_loses_as_much_and_is_as_far_as_it_says(codec: str, crf: int) -> None:
-    video, frames = Video(codec, crf=crf), recordings(4, side=48, noise=0.0)
+@pytest.mark.parametrize(("codec", "chroma"), [("h264", "4:2:0"), ("mjpeg", "4:2:2")])
+def test_the_stand_in_is_a_jpeg_of_the_codecs_sampling(codec: str, chroma: str) -> None:
+    video, frames = Video(codec, crf=30), recordings(1)
+    soft = video(frames, origin_px=(3, 5), differentiable=True)
+    quality = video.stand_in_quality
+    alike = jpeg_differentiable(frames[-1], quality, chroma=chroma, origin_px=(3, 5))
+    assert torch.equal(soft, alike)
+
+
+@pytest.mark.parametrize(
+    ("codec", "crf"), [(codec, crf) for codec, table in STAND_IN.items() for crf in table]
+)
+def test_the_stand_in_loses_as_much_of_faces_and_is_as_far_as_it_says(
+    faces: torch.Tensor, codec: str, crf: int
+) -> None:
+    # Measured within 0.4 dB of equal loss; H.264 as far from its stand-in as from the original.
+    still = (linear_to_srgb(faces) * 255).round() / 255
+    video, frames = Video(codec, crf=crf), still.expand(3, -1, -1, -1, -1)
     true, soft = video(frames), video(frames, differentiable=True)
-    assert torch.equal(soft, jpeg_differentiable(frames[-1], video.stand_in_quality))
-    loss = psnr_db(true, frames[-1])
-    assert psnr_db(soft, frames[-1]) == pytest.approx(loss, abs=3)
-    assert psnr_db(soft, true) == pytest.approx(loss, abs=4)
+    loss = psnr_db(true, still)
+    assert psnr_db(soft, still) == pytest.approx(loss, abs=0.5)
+    assert loss - 0.5 < psnr_db(soft, true) < loss + 3
 
 
 def test_only_the_stand_in_has_a_gradient() -> None:
