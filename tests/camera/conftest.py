@@ -1,5 +1,6 @@
-"""Rendered faces, kept so that no test of the camera needs the renderer."""
+"""Rendered faces, so that no test of the camera needs the renderer; one thread for small sums."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -19,3 +20,12 @@ def faces() -> torch.Tensor:
     """
     row = cv2.imread(str(FACES), cv2.IMREAD_UNCHANGED)[..., ::-1].astype(np.float32) / 65535
     return torch.from_numpy(np.stack(np.split(row, 4, axis=1))).permute(0, 3, 1, 2).contiguous()
+
+
+@pytest.fixture
+def one_thread() -> Iterator[None]:
+    """Thousands of tiny sums: on busy cores several threads would wait for each other."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)

@@ -6,6 +6,8 @@ import torch
 from lrsr.camera.bending import Bending
 from lrsr.camera.distortion import Distortion
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 RANDOM = torch.Generator().manual_seed(0)
 BARREL = Distortion(0.1, 0.4, radius_mm=2.5)
 PITCH_MM = 0.00265 / 2

@@ -11,6 +11,8 @@ from lrsr.camera.bayer import PATTERNS, mosaic
 from lrsr.camera.demosaic import METHODS, check_method, demosaic
 from lrsr.errors import ImageContractError, InputError
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 
 def light(height: int = 12, width: int = 14, batch: int = 2) -> torch.Tensor:
     return torch.rand(batch, 3, height, width, generator=torch.Generator().manual_seed(0))

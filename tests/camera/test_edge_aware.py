@@ -11,6 +11,8 @@ from lrsr.camera.demosaic import METHODS, demosaic
 from lrsr.camera.edge_aware import interpolate_along_edges
 from lrsr.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 CASES = json.loads((Path(__file__).parents[1] / "data" / "menon2007.json").read_text())["cases"]
 RANDOM = torch.Generator().manual_seed(0)
 

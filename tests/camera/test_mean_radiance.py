@@ -26,6 +26,8 @@ from lrsr.camera.resampling import sample_bicubic
 from lrsr.camera.smoothing import bilateral_blur, gaussian_blur
 from lrsr.images import linear_to_srgb, srgb_to_linear
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 FILTERS = ((0.5, 0.1, 0.0), (0.1, 0.8, 0.1), (0.0, 0.1, 0.6))
 MARGIN = 24
 

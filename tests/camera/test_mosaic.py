@@ -8,6 +8,8 @@ from lrsr.camera.demosaic import METHODS, demosaic
 from lrsr.camera.mosaic import Mosaic
 from lrsr.errors import ImageContractError, InputError
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 LIGHT = torch.rand(2, 3, 30, 30, generator=torch.Generator().manual_seed(0))
 # How far from its border a crop differs from the whole: what a colour is made of lies so near.
 REACH_PX = {"bilinear": 1, "malvar": 2, "edge_aware": 8}

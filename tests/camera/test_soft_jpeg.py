@@ -20,6 +20,8 @@ from lrsr.camera.soft_jpeg import (
 from lrsr.errors import ImageContractError, InputError
 from lrsr.images import linear_to_srgb
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 
 def as_srgb(faces: torch.Tensor) -> torch.Tensor:
     return (linear_to_srgb(faces) * 255).round() / 255

@@ -10,6 +10,8 @@ from lrsr.camera.walk import walk
 from lrsr.errors import InputError
 from lrsr.images import linear_to_srgb
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 LIGHT = torch.rand(2, 3, 24, 32, generator=torch.Generator().manual_seed(0)) * 0.6
 METERED, SEEDS = torch.ones(2), [1, 2]
 STAGES = {
