@@ -1,8 +1,9 @@
 """Does every differentiable stage have the slope that finite differences see?
 
-One file, so that none is missed: `gradcheck` compares each output's slope along each input, in
-double precision. Where a stage rounds, its gradient goes straight through; then what it is without
-rounding is checked, and that the gradient with rounding is the very same.
+One file, so that none is missed (measured filters: test_spectral.py). `gradcheck` compares each
+output's slope along each input, in double precision. Where a stage rounds, its gradient goes
+straight through; then what it is without rounding is checked, and that the gradient with rounding
+is the very same.
 """
 
 from collections.abc import Callable
