@@ -14,47 +14,50 @@ guess has it. W discounts what differs between people, such as albedo, and what 
 noise keeps its seeds, so s(θ) is a function; Gauss and Newton's steps come from finite differences,
 because the true codec has no gradient.
 
-What can be known: blur and sharpening apart from each other, since noise is sharpened but not
-blurred; less so without noise. Read and shot noise as shares of white, as far as the codec leaves
-any; read noise in electrons only as well as the electrons at white. Exposure only together with the
-subjects' albedo, and contrast with the lighting's; the cast relative to the rendered population's
-skin, hair and light. What in these pictures the guess decides rather than the pictures is marked:
-``known`` is false.
+Standard errors are those of the estimator that was used, whatever its weights (a sandwich: L. P.
+Hansen, Econometrica 50(4), 1982, doi:10.2307/1912775, theorem 3.1): with J the slopes of s,
 
-Measured on 50 pictures of 32 x 32 of each of three hidden cameras, unlike the start only in what is
-fitted, against 100 strangers (JPEG 75 | JPEG 90 | not compressed): blur +2, -6, 0 %; quality exact;
-read noise as a share of white -10, -20, -10 %; gains within 2 %. Electrons at white were off by
-+84, -59, -30 %, and with them read noise in electrons; sharpening by +44, -6, +10 %. Those standard
-errors of electrons were too small. A fourth, JPEG 50: -5, exact, -9, gains -3 and +4 %.
-Noise that the strangers' renderings have is taken from the
-camera's: give them samples enough.
+    V = A⁻¹ (Jᵀ W C (1/n + 1/k) W J + 1) A⁻ᵀ,   A = Jᵀ W J + 1.
+
+Slopes that are mere noise of the simulation would feign curvature, and certainty, in Jᵀ W J; the
+product of the slopes of two halves of the strangers does not, because their noises are strangers
+too.
+
+What can be known: blur and sharpening apart from each other, since noise is sharpened but not
+blurred, and noise of the colours is neither; less so without noise. Read and shot noise as shares
+of white, as far as the codec leaves any; read noise in electrons only as well as the electrons at
+white, by the growth of noise with brightness. Exposure only together with the subjects' albedo,
+and contrast with the lighting's; the cast relative to the rendered population's skin, hair and
+light. What in these pictures the guess decides rather than the pictures is marked: ``known`` is
+false.
+
+Noise that the strangers' renderings have is taken from the camera's: give them samples enough.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from math import exp, sqrt
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from lrsr.camera.contract import check_setting
+from lrsr.camera.moments import Floats, Moments, Shoot
 from lrsr.camera.parameters import PARAMETERS, Parameter
-from lrsr.camera.statistics import describe
-from lrsr.errors import InputError
 
-LEAST_IMAGES = 20
-"""Pictures at least; the covariance of their numbers needs as many as there are numbers."""
-STEPS = (0.4, 0.2, 0.1)
-"""Of finite differences, in units of a parameter's doubt: a codec's rounding makes a rough ground,
-which long steps level; the last are short enough for the minimum."""
+STEPS = (0.3, 1.0)
+"""Of finite differences, in units of a parameter's doubt: as long as its standard error, within
+these. A codec's rounding makes a rough ground, which long steps level."""
 SHRINKAGE = 0.3
-"""Towards the diagonal, of the covariance (O. Ledoit, M. Wolf, 2004): keeps it invertible."""
-MODEL_ERROR = 0.02
-"""Standard deviation that no statistic is believed beyond, in units of its spread over pictures."""
-
-Floats = NDArray[np.float64]
-Shoot = Callable[[Mapping[str, float]], torch.Tensor]
+"""Of the covariance towards its diagonal."""
+SETTLINGS = (1, 3, 3)
+"""Draws of the noise for the slopes; slopes and weights are made anew as often."""
+DRAWS, GAIN = 18, 0.5
+"""How many steps are taken after each, and which share of a whole one each is."""
+INTERVAL_SD = 1.96
+"""Half the width of an interval that holds 95 % of a normal variable."""
 
 
 @dataclass(frozen=True)
@@ -64,11 +67,15 @@ class Fitted:
     Attributes:
         value: In the unit that the name says.
         error: Standard error, in the same unit (of first order).
+        low: Lower end of the interval of 95 %: of a logarithm, where a factor makes more sense.
+        high: Upper end.
         known: The pictures halve the guess's doubt at least.
     """
 
     value: float
     error: float
+    low: float
+    high: float
     known: bool
 
 
@@ -78,7 +85,10 @@ class Fit:
 
     Attributes:
         values: By parameter.
-        measured: Means of the statistics of the real pictures, ``(S,)``.
+        parameters: What was searched for.
+        covariance: ``(P, P)`` of the estimates, each in units of its parameter's doubt.
+        measured: Means of the statistics of the real pictures, ``(S,)``, named
+            :data:`lrsr.camera.statistics.BENT_NAMES`.
         before: Those of the camera that the search began with.
         after: Those of the fitted camera.
         spread: Standard deviation by which two such means differ by chance alone, ``(S,)``.
@@ -88,6 +98,8 @@ class Fit:
     """
 
     values: dict[str, Fitted]
+    parameters: tuple[Parameter, ...]
+    covariance: Floats
     measured: Floats
     before: Floats
     after: Floats
@@ -100,6 +112,16 @@ class Fit:
     def plain(self) -> dict[str, float]:
         """The values alone."""
         return {name: fitted.value for name, fitted in self.values.items()}
+
+    def product(self, *names: str) -> Fitted:
+        """Return the product of parameters that are searched by their logarithms.
+
+        Their errors may cancel or add up, which the standard errors of each do not tell.
+        """
+        factors = np.array([p.doubt * (p.name in names) for p in self.parameters])
+        value = float(np.prod([self.values[name].value for name in names]))
+        sd = sqrt(float(factors @ self.covariance @ factors))
+        return _factor(value, sd, known=sd < sqrt(float(factors @ factors)) / 2)
 
 
 def fit_camera(
@@ -118,7 +140,7 @@ def fit_camera(
             ``(k, 3, H, W)``, with the same noise each time.
         parameters: What to search for.
         part: Share of the sides that counts; see :func:`lrsr.camera.statistics.describe`.
-        rounds: Steps of Gauss and Newton at most, >= 1, at each of :data:`STEPS`.
+        rounds: Steps of Gauss and Newton at most, >= 1, of the first, coarse part of the search.
 
     Returns:
         The parameters and how well they agree.
@@ -128,113 +150,93 @@ def fit_camera(
         ImageContractError: The images break the contract or are too small.
     """
     check_setting("rounds", rounds, rounds >= 1, "at least 1")
-    search = _Search(_described(srgb, part, "pictures to fit"), shoot, tuple(parameters), part)
-    start = np.zeros(len(parameters))
-    before = search.simulated(start)
-    bounds = np.array([(p.coordinate(p.low), p.coordinate(p.high)) for p in parameters]).T
-    place = start
-    for step in STEPS:
-        search.step = step
-        search.weigh(place)
-        place = least_squares(
-            search.residuals,
-            place,
-            jac=search.slopes,
-            bounds=bounds,
-            max_nfev=rounds,
-            xtol=1e-3,
-            ftol=1e-3,
-        ).x
-    after = search.simulated(place)
+    with _one_thread():
+        return _fit(Moments(srgb, shoot, tuple(parameters), part), rounds)
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Keep torch to one thread: on pictures this small several wait for each other, 7 times longer.
+
+    The sum of a few hundred trials takes a minute that way.
+    """
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
+
+
+def _fit(moments: Moments, rounds: int) -> Fit:
+    start = np.zeros(len(moments.parameters))
+    moments.weigh(None, shrinkage=SHRINKAGE, bent=False)
+    place, steps = _descended(moments, start, rounds), np.full(len(start), STEPS[0])
+    for draws in SETTLINGS:
+        moments.weigh(place, shrinkage=SHRINKAGE)
+        slopes = moments.slopes(place, steps, draws)
+        place = _settled(moments, place, slopes)
+        steps = np.sqrt(np.diag(moments.covariance(slopes))).clip(*STEPS)
+    moments.weigh(place, shrinkage=SHRINKAGE)
+    covariance = moments.covariance(moments.slopes(place, steps, SETTLINGS[-1]))
+    before, after = moments.simulated(start), moments.simulated(place)
     return Fit(
-        values=search.judged(place),
-        measured=search.measured,
+        values={
+            parameter.name: _fitted(parameter, float(coordinate), sqrt(float(variance)))
+            for parameter, coordinate, variance in zip(
+                moments.parameters, place, np.diag(covariance), strict=True
+            )
+        },
+        parameters=moments.parameters,
+        covariance=covariance,
+        measured=moments.measured,
         before=before,
         after=after,
-        spread=search.spread,
-        misfit_before=search.misfit(before),
-        misfit_after=search.misfit(after),
-        trials=search.trials,
+        spread=moments.spread,
+        misfit_before=moments.misfit(before),
+        misfit_after=moments.misfit(after),
+        trials=moments.trials,
     )
 
 
-class _Search:
-    """The objective: remembers the last trial, which residuals and slopes share."""
-
-    def __init__(
-        self, real: Floats, shoot: Shoot, parameters: tuple[Parameter, ...], part: float
-    ) -> None:
-        self.shoot, self.parameters, self.part = shoot, parameters, part
-        self.measured = real.mean(0)
-        self.trials, self.step = 0, STEPS[0]
-        self._kept: dict[bytes, Floats] = {}
-        strangers = len(self._numbers(np.zeros(len(parameters))))
-        self.real, self.strangers = real, strangers
-        self.weigh(np.zeros(len(parameters)))
-
-    def weigh(self, place: Floats) -> None:
-        """Set the weights from how pictures differ, the real ones and those at coordinates."""
-        pooled = np.cov(self.real.T) / 2 + np.cov(self._numbers(place).T) / 2
-        if not self.trials or not place.any():
-            pooled = np.cov(self.real.T)
-        variance = np.diag(pooled).clip(1e-6)
-        covariance = (1 - SHRINKAGE) * pooled + SHRINKAGE * np.diag(variance)
-        covariance = covariance * (1 / len(self.real) + 1 / self.strangers)
-        covariance += np.diag(MODEL_ERROR**2 * variance)
-        self.spread: Floats = np.sqrt(np.diag(covariance))
-        self._whiten = np.linalg.inv(np.linalg.cholesky(covariance))
-
-    def simulated(self, place: Floats) -> Floats:
-        """Return the means at coordinates ``(P,)``."""
-        key = place.tobytes()
-        if key not in self._kept:
-            self._kept[key] = self._numbers(place).mean(0)
-        return self._kept[key]
-
-    def residuals(self, place: Floats) -> Floats:
-        """Return whitened differences, then the distances from the guess."""
-        return np.concatenate([self._whitened(self.simulated(place)), place])
-
-    def slopes(self, place: Floats) -> Floats:
-        """Return the Jacobian of :meth:`residuals`, by differences towards the guess's side."""
-        here, columns = self.residuals(place), []
-        for index, parameter in enumerate(self.parameters):
-            roomy = place[index] + self.step <= parameter.coordinate(parameter.high)
-            step = np.zeros_like(place)
-            step[index] = self.step if roomy else -self.step
-            columns.append((self.residuals(place + step) - here) / step[index])
-        return np.stack(columns, 1)
-
-    def misfit(self, means: Floats) -> float:
-        """Return the mean square of the whitened differences."""
-        return float(np.square(self._whitened(means)).mean())
-
-    def judged(self, place: Floats) -> dict[str, Fitted]:
-        """Return values with their standard errors, from the curvature at ``place``."""
-        self.step = STEPS[0]
-        slopes = self.slopes(place)
-        doubts = np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
-        judged = {}
-        for parameter, coordinate, doubt in zip(self.parameters, place, doubts, strict=True):
-            value = parameter.value(float(coordinate))
-            error = parameter.doubt * float(doubt) * (value if parameter.logarithmic else 1.0)
-            judged[parameter.name] = Fitted(value, error, bool(doubt < 0.5))
-        return judged
-
-    def _whitened(self, means: Floats) -> Floats:
-        return np.asarray(self._whiten @ (self.measured - means))
-
-    def _numbers(self, place: Floats) -> Floats:
-        self.trials += 1
-        values = {
-            parameter.name: min(max(parameter.value(float(c)), parameter.low), parameter.high)
-            for parameter, c in zip(self.parameters, place, strict=True)
-        }
-        return _described(self.shoot(values), self.part, "rendered people")
+def _descended(moments: Moments, place: Floats, rounds: int) -> Floats:
+    """Return where Gauss and Newton's steps from a place end, on one draw of the noise."""
+    steps = np.full(len(place), STEPS[0])
+    found = least_squares(
+        moments.residuals,
+        place,
+        jac=lambda here: moments.jacobian(moments.slopes(here, steps)),
+        bounds=moments.ranges,
+        max_nfev=rounds,
+        xtol=1e-3,
+        ftol=1e-3,
+    )
+    return np.asarray(found.x)
 
 
-def _described(srgb: torch.Tensor, part: float, what: str) -> Floats:
-    if len(srgb) < LEAST_IMAGES:
-        raise InputError(f"{len(srgb)} {what}: give at least {LEAST_IMAGES}, of different people")
-    numbers: Floats = describe(srgb, part).numpy()
-    return numbers
+def _settled(moments: Moments, place: Floats, slopes: tuple[Floats, Floats]) -> Floats:
+    """Return the mean of steps on fresh draws, which no draw's rough ground holds up.
+
+    Stochastic approximation with averaging (B. T. Polyak, A. B. Juditsky, SIAM J. Control and
+    Optimization 30(4), 1992, doi:10.1137/0330046); the first third only gets there.
+    """
+    visited, inverse = [], np.linalg.pinv(moments.jacobian(slopes))
+    for draw in range(1, DRAWS + 1):
+        step = GAIN * inverse @ moments.residuals(place, draw)
+        place = (place - step / max(1.0, np.abs(step).max())).clip(*moments.ranges)
+        visited.append(place)
+    return np.asarray(np.mean(visited[DRAWS // 3 :], axis=0))
+
+
+def _fitted(parameter: Parameter, coordinate: float, doubt: float) -> Fitted:
+    value, sd = parameter.value(coordinate), parameter.doubt * doubt
+    if parameter.logarithmic:
+        return _factor(value, sd, known=doubt < 0.5)
+    away = INTERVAL_SD * sd
+    return Fitted(value, sd, value - away, value + away, known=doubt < 0.5)
+
+
+def _factor(value: float, sd: float, *, known: bool) -> Fitted:
+    """Return a value whose logarithm has the standard error ``sd``."""
+    away = exp(INTERVAL_SD * sd)
+    return Fitted(value, sd * value, value / away, value * away, known)

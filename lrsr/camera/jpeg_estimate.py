@@ -140,21 +140,21 @@ def _likeliest(coefficients: Floats, most: int | None = None) -> tuple[int, floa
             seen = np.abs(coefficients[:, row, column])
             seen = seen[seen > LEAST][:most]
             count += len(seen)
-            total[1:] += _log_ratios(seen)[_STEPS[1:, row, column]]
+            steps, of_quality = _DISTINCT[row][column]
+            total[1:] += _log_ratios(seen, steps)[of_quality]
     if count < ENOUGH:
         return 100, 0.0
     best = 1 + int(np.argmax(total[1:]))
     return best, float(total[best]) / count
 
 
-def _log_ratios(seen: Floats) -> Floats:
-    """Return for every step 0..255 how much likelier it makes these than a smooth density does.
+def _log_ratios(seen: Floats, steps: Floats) -> Floats:
+    """Return for every step how much likelier it makes these than a smooth density does.
 
     A coefficient that is not zero lies at a multiple of the step, the first or a later one, blurred
     by rounding; the smooth density, spread over a step, cancels.
     """
     largest = float(seen.max(initial=0.0))
-    steps = np.arange(256, dtype=np.float64).clip(1)
     considered = steps[:, None] <= 2 * largest + 8  # a larger step explains none of them
     multiple = np.maximum(np.rint(seen / steps[:, None]), 1)
     miss = (seen - multiple * steps[:, None]) / ROUNDING
@@ -226,7 +226,12 @@ def _chroma(frame: bytes) -> str | None:
 
 _ANGLES = (2 * np.arange(8) + 1)[None] * np.arange(8)[:, None] * math.pi / 16
 _DCT: Floats = np.cos(_ANGLES) * np.where(np.arange(8)[:, None] == 0, math.sqrt(1 / 8), 0.5)
-_STEPS = np.stack([np.ones((8, 8)), *(luminance_table(q) for q in range(1, 101))]).astype(int)
+_STEPS = np.stack([luminance_table(quality) for quality in range(1, 101)])
+# Of each frequency, the steps that occur (fewer than there are qualities) and each quality's.
+_DISTINCT = [
+    [np.unique(_STEPS[:, row, column], return_inverse=True) for column in range(BLOCK_PX)]
+    for row in range(BLOCK_PX)
+]
 _ZIGZAG = sorted(
     range(64),
     key=lambda k: (k // 8 + k % 8, k // 8 if (k // 8 + k % 8) % 2 else k % 8),

@@ -8,9 +8,17 @@ Their mean over many pictures depends on the camera and on the population, not o
   1996, doi:10.1006/cviu.1996.0060, eq. 2) leaves of luminance and of both colour differences, in
   the smooth half of four ranges of brightness: the photon-transfer line, var = K · mean + read
   noise²;
-- quantiles of luminance: exposure and contrast;
+- log power of the cosines of blocks (:mod:`lrsr.camera.cosines`), of luminance and of both colour
+  differences, quiet and busy, dark and bright: noise apart from features where a codec has taken
+  the fine cosines; noise of the colours, which is not sharpened, apart from that of luminance;
+- quantiles of luminance and of the colour differences: exposure, contrast and saturation;
 - log ratios of the channels' mean linear light: the colour cast;
-- log spread of the colour differences: saturation.
+- log spread of the colour differences, how they go together, and their means in the darker and
+  the brighter half: saturation apart from the cast.
+
+A mean tells where a cloud of people lies, its shape tells more: complexions fill a bent band with
+ends. :func:`bend` therefore adds squares and limited copies of the colours' columns, which halve
+the standard error of the cast at 50 people.
 
 Only the middle of a picture counts, since what stands behind a real face is not what the renderer
 puts there.
@@ -24,6 +32,7 @@ from torch.nn import functional as F
 
 from lrsr.camera.camera import Camera
 from lrsr.camera.contract import check_light, check_setting
+from lrsr.camera.cosines import HALVES, band_powers
 from lrsr.camera.processing import luminance
 from lrsr.errors import ImageContractError
 from lrsr.images import srgb_to_linear
@@ -37,19 +46,47 @@ RANGES = 4
 """Ranges of brightness, each a quarter of the pixels."""
 ROUNDING = 1 / 12
 """Variance that rounding to 8 bits leaves, levels²: the least a variance can mean anything."""
+BANDS = {
+    "luma": (0.5, 1.2, 2.3, 3.3, 4.5, 6.0, 8.0, 10.0),
+    "red": (0.5, 1.2, 2.3, 4.5, 10.0),
+    "blue": (0.5, 1.2, 2.3, 4.5, 10.0),
+}
+"""Edges of the bands of a block's cosines: of luminance and of the two colour differences."""
 MTF_CYCLES = 0.1
 """Where the lens's blur is compared with a Gaussian's, cycles a pixel: below any zero."""
 
-NAMES = (
-    *(f"log_power_{low:g}_{high:g}" for low, high in pairwise(RINGS)),
-    *(f"log_noise_{what}_{k}" for what in ("luma", "red", "blue") for k in range(1, RANGES + 1)),
-    *(f"luminance_{100 * quantile:g}" for quantile in QUANTILES),
+_BENT = (
     "log_red_green",
     "log_blue_green",
     "log_spread_red",
     "log_spread_blue",
+    *(f"mean_{what}_{half}" for half in ("dark", "bright") for what in ("red", "blue")),
+)
+NAMES = (
+    *(f"log_power_{low:g}_{high:g}" for low, high in pairwise(RINGS)),
+    *(f"log_noise_{what}_{k}" for what in ("luma", "red", "blue") for k in range(1, RANGES + 1)),
+    *(
+        f"log_band_{what}_{low:g}_{high:g}_{half}"
+        for what, edges in BANDS.items()
+        for low, high in pairwise(edges)
+        for half in HALVES
+    ),
+    *(f"{what}_{100 * q:g}" for what in ("luminance", "red", "blue") for q in QUANTILES),
+    "correlation_red_blue",
+    "slope_red_luma",
+    "slope_blue_luma",
+    "spread_luma",
+    *_BENT,
 )
 """Names of the columns of :func:`describe`."""
+BENT_NAMES = (
+    *NAMES,
+    *(f"square_{name}" for name in _BENT),
+    *(f"limited_{name}" for name in _BENT),
+    "product_red_blue",
+)
+"""Names of the columns of :func:`bend`."""
+_FIRST_BENT = NAMES.index(_BENT[0])
 
 
 def describe(srgb: torch.Tensor, part: float = 0.75) -> torch.Tensor:
@@ -69,15 +106,35 @@ def describe(srgb: torch.Tensor, part: float = 0.75) -> torch.Tensor:
     check_light(srgb, name="srgb")
     middle = crop(srgb, part).double()
     luma = 255 * luminance(middle)[:, 0]
+    planes = {"luma": luma, "red": 255 * middle[:, 0] - luma, "blue": 255 * middle[:, 2] - luma}
     columns = [
         _ring_powers(luma),
-        _noise(luma, luma),
-        _noise(255 * middle[:, 0] - luma, luma),
-        _noise(255 * middle[:, 2] - luma, luma),
-        luma.flatten(1).quantile(torch.tensor(QUANTILES, dtype=torch.float64), dim=1).T,
+        *(_noise(plane, luma) for plane in planes.values()),
+        *(band_powers(planes[what], luma, edges, ROUNDING) for what, edges in BANDS.items()),
+        *(_quantiles(plane) for plane in planes.values()),
+        _together(**planes),
         _colours(middle, luma),
+        _means(planes["red"], planes["blue"], luma),
     ]
     return torch.cat(columns, dim=1)
+
+
+def bend(numbers: torch.Tensor, typical: torch.Tensor) -> torch.Tensor:
+    """Add what makes means tell of the shape of a cloud of colours as well.
+
+    Args:
+        numbers: ``(B, len(NAMES))``, of :func:`describe`.
+        typical: ``(2, len(NAMES))``: mean and standard deviation over one camera's pictures, the
+            same for all that are to be compared.
+
+    Returns:
+        ``(B, len(BENT_NAMES))``: then the squares of the colours' distances from the mean in
+        standard deviations, their hyperbolic tangents, and the product of the first two.
+    """
+    columns = slice(_FIRST_BENT, _FIRST_BENT + len(_BENT))
+    centre, spread = typical[:, columns]
+    away = (numbers[:, columns] - centre) / spread.clamp_min(1e-6)
+    return torch.cat([numbers, away.square(), away.tanh(), away[:, :1] * away[:, 1:2]], dim=1)
 
 
 def crop(images: torch.Tensor, part: float) -> torch.Tensor:
@@ -137,6 +194,27 @@ def _colours(srgb: torch.Tensor, luma: torch.Tensor) -> torch.Tensor:
     red, green, blue = srgb_to_linear(srgb).mean((2, 3)).add(1e-4).log().unbind(1)
     spread = (255 * srgb[:, (0, 2)] - luma[:, None]).std((2, 3)).square().add(ROUNDING).log() / 2
     return torch.stack([red - green, blue - green, spread[:, 0], spread[:, 1]], 1)
+
+
+def _quantiles(plane: torch.Tensor) -> torch.Tensor:
+    return plane.flatten(1).quantile(torch.tensor(QUANTILES, dtype=torch.float64), dim=1).T
+
+
+def _together(luma: torch.Tensor, red: torch.Tensor, blue: torch.Tensor) -> torch.Tensor:
+    """Return how the planes go together, ``(B, 4)``."""
+    light, r, b = (plane.flatten(1) - plane.mean((1, 2))[:, None] for plane in (luma, red, blue))
+    power = light.square().mean(1).add(ROUNDING)
+    colours = (r.square().mean(1).add(ROUNDING) * b.square().mean(1).add(ROUNDING)).sqrt()
+    slopes = [(plane * light).mean(1) / power for plane in (r, b)]
+    return torch.stack([(r * b).mean(1) / colours, *slopes, power.sqrt()], 1)
+
+
+def _means(red: torch.Tensor, blue: torch.Tensor, luma: torch.Tensor) -> torch.Tensor:
+    """Return the mean colour differences of the darker and the brighter half, ``(B, 4)``."""
+    order = luma.flatten(1).argsort(dim=1, stable=True)
+    both = torch.stack([red.flatten(1), blue.flatten(1)], 2)
+    sorted_ = both.gather(1, order[..., None].expand_as(both))
+    return torch.cat([half.mean(1) for half in sorted_.tensor_split(2, dim=1)], 1)
 
 
 def lens_blur_px(camera: Camera) -> float:

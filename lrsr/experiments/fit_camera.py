@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import torch
 
 from lrsr.camera.camera import Camera
-from lrsr.camera.fitting import LEAST_IMAGES, Fit, fit_camera
+from lrsr.camera.chroma_estimate import estimate_chroma
+from lrsr.camera.fitting import Fit, fit_camera
 from lrsr.camera.jpeg_estimate import estimate_jpeg
+from lrsr.camera.moments import LEAST_IMAGES
 from lrsr.camera.parameters import NAMES as FITTED
 from lrsr.camera.parameters import with_jpeg, with_values
-from lrsr.camera.statistics import NAMES as STATISTICS
+from lrsr.camera.statistics import BENT_NAMES as STATISTICS
 from lrsr.camera.statistics import lens_blur_px
 from lrsr.configuration import number, require, section, whole_number
 from lrsr.data.cache import RenderCache
@@ -39,6 +41,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
+DRAW_SEEDS = 1_000_003
+"""From the seeds of one draw of the noise to those of the next: more than there are people."""
+
 
 @dataclass(frozen=True)
 class FitSettings:
@@ -52,7 +57,7 @@ class FitSettings:
         rendering: How light becomes a film.
         ipd_px: Of the pictures, px; None: a quarter of their width.
         part: Share of the sides that counts, about the middle.
-        rounds: Steps of the search at most, for each of its three scales.
+        rounds: Steps at most of the search's first, coarse part.
         seed: Of samplers and noise.
         pose: Of the strangers, as far as known of the people in the pictures.
         lighting: The same.
@@ -148,7 +153,7 @@ def fit_to_folder(
     with_values(preset, dict.fromkeys(FITTED, 1.0))  # refuses a preset that lacks a stage
     fit = fit_camera(
         real.srgb,
-        lambda values: strangers.trial(with_values(preset, values)),
+        lambda values, draw: strangers.trial(with_values(preset, values), draw),
         part=settings.part,
         rounds=settings.rounds,
     )
@@ -193,14 +198,17 @@ class Strangers:
         height, width = self.linear.shape[-2:]
         return height // self.supersampling, width // self.supersampling
 
-    def photographed(self, camera: Camera) -> torch.Tensor:
-        """Return the pictures ``(k, 3, H, W)`` that a camera takes of them."""
-        seeds = [self.seed + k for k in range(len(self.linear))]
+    def photographed(self, camera: Camera, draw: int = 0) -> torch.Tensor:
+        """Return the pictures ``(k, 3, H, W)`` that a camera takes of them.
+
+        ``draw``: number of the draw of the noise, >= 0; another one has other noise everywhere.
+        """
+        seeds = [self.seed + k + draw * DRAW_SEEDS for k in range(len(self.linear))]
         with torch.no_grad():
             pictures: torch.Tensor = camera(self.linear, self.metered, seeds)
         return pictures
 
-    def trial(self, preset: Mapping[str, Any]) -> torch.Tensor:
+    def trial(self, preset: Mapping[str, Any], draw: int = 0) -> torch.Tensor:
         """Photograph with a preset, so that a small change of it changes the pictures little.
 
         Shot noise is that of the differentiable sensor: the same normal numbers in every trial,
@@ -210,7 +218,7 @@ class Strangers:
 
         stored = instantiate(preset.get("stored"))
         camera = _camera({**preset, "stored": None, "codec": "differentiable"})
-        pictures = self.photographed(camera)
+        pictures = self.photographed(camera, draw)
         if stored is None:
             return pictures
         kept: torch.Tensor = stored(pictures[None], origin_px=tuple(preset["origin_px"]))
@@ -248,7 +256,8 @@ def _stored_like(preset: Mapping[str, Any], real: RealPictures) -> dict[str, Any
     found = estimate_jpeg(real.srgb)
     if found is None:
         return with_jpeg(preset, None, "4:2:0", (0, 0))
-    return with_jpeg(preset, found.quality, "4:2:0", found.origin_px)
+    chroma, origin_px = estimate_chroma(real.srgb, found.quality, found.origin_px)
+    return with_jpeg(preset, found.quality, chroma, origin_px)
 
 
 def _render(

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from lrsr.camera.fitting import Fit
 from lrsr.camera.parameters import PARAMETERS
-from lrsr.camera.statistics import NAMES, RANGES, RINGS
+from lrsr.camera.statistics import BENT_NAMES, RANGES, RINGS
 from lrsr.experiments.figures import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes
 from lrsr.experiments.real_pictures import RealPictures
 from lrsr.experiments.report import FILE, template
@@ -96,7 +96,7 @@ def write_fit_report(
         statistics=[
             {"name": column, "values": [f"{value:.3f}" for value in row]}
             for column, row in zip(
-                NAMES,
+                BENT_NAMES,
                 zip(fit.measured, fit.before, fit.after, fit.spread, strict=True),
                 strict=True,
             )
@@ -152,14 +152,14 @@ def draw_fit(fit: Fit) -> bytes:
             noise.plot(range(1, RANGES + 1), np.exp(means[ranges] / 2), **line)
             if label != "real":
                 away = (means - fit.measured) / fit.spread
-                differences.plot(np.arange(len(NAMES)), away, **{**line, "linestyle": ""})
+                differences.plot(np.arange(len(BENT_NAMES)), away, **{**line, "linestyle": ""})
         spectrum.set(xlabel="Cycles per pixel", ylabel="log₁₀ power", title="Spectrum")
         noise.set(xlabel="Quarter of brightness", ylabel="Levels of 255", title="Noise")
         noise.set_xticks(range(1, RANGES + 1))
         noise.set_ylim(bottom=0)
         differences.axhspan(-2, 2, color="#dddddd", linewidth=0)
         differences.axhline(0, color="black", linewidth=0.6)
-        differences.set_xticks(range(len(NAMES)), NAMES, rotation=90, fontsize=5)
+        differences.set_xticks(range(len(BENT_NAMES)), BENT_NAMES, rotation=90, fontsize=5)
         differences.set_yscale("symlog", linthresh=3)
         differences.set(ylabel="Difference from real, in σ of chance", title="Every statistic")
         spectrum.legend()

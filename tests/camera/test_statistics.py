@@ -6,7 +6,16 @@ from scipy.special import j1
 
 from lrsr.camera.camera import Camera
 from lrsr.camera.optics import Optics
-from lrsr.camera.statistics import NAMES, RANGES, RINGS, crop, describe, lens_blur_px
+from lrsr.camera.statistics import (
+    BENT_NAMES,
+    NAMES,
+    RANGES,
+    RINGS,
+    bend,
+    crop,
+    describe,
+    lens_blur_px,
+)
 from lrsr.errors import ImageContractError, InputError
 
 RINGS_COUNT = len(RINGS) - 1
@@ -40,6 +49,54 @@ def test_quantiles_of_a_ramp_are_its_levels() -> None:
     first = NAMES.index("luminance_5")
     found = (describe(ramp, part=1.0)[0, first : first + 5] / 255).tolist()
     assert found == pytest.approx([0.05, 0.25, 0.5, 0.75, 0.95], abs=0.005)
+
+
+def column(numbers: torch.Tensor, name: str) -> torch.Tensor:
+    return numbers[:, NAMES.index(name)]
+
+
+def test_a_colour_that_grows_with_brightness_has_its_slope() -> None:
+    light = torch.rand(3, 1, 20, 20, generator=torch.Generator().manual_seed(2))
+    srgb = light * torch.tensor([0.9, 0.6, 0.3])[:, None, None]
+    luma = 0.299 * 0.9 + 0.587 * 0.6 + 0.114 * 0.3
+    numbers = describe(srgb, part=1.0)
+    for name, level in (("red", 0.9), ("blue", 0.3)):
+        slope = column(numbers, f"slope_{name}_luma").tolist()
+        assert slope == pytest.approx([(level - luma) / luma] * 3, rel=1e-3)
+    assert column(numbers, "correlation_red_blue").tolist() == pytest.approx([-1.0] * 3, abs=1e-3)
+
+
+def test_the_halves_have_their_own_colours() -> None:
+    srgb = torch.full((1, 3, 20, 20), 0.25)
+    srgb[:, :, 10:] = 0.5
+    srgb[:, 0, 10:] = 0.7  # the brighter half is red
+    numbers, luma = describe(srgb, part=1.0), 0.701 * 0.5 + 0.299 * 0.7
+    assert float(column(numbers, "mean_red_dark")) == pytest.approx(0, abs=1e-4)
+    assert float(column(numbers, "mean_red_bright")) == pytest.approx(255 * (0.7 - luma), rel=1e-4)
+    assert float(column(numbers, "mean_blue_bright")) == pytest.approx(255 * (0.5 - luma), rel=1e-4)
+
+
+def test_bending_adds_squares_limits_and_a_product() -> None:
+    numbers = torch.zeros(1, len(NAMES), dtype=torch.float64)
+    red, blue = NAMES.index("log_red_green"), NAMES.index("log_blue_green")
+    numbers[0, red], numbers[0, blue] = 1.5, -2.0
+    typical = torch.stack([torch.full((len(NAMES),), 0.5), torch.full((len(NAMES),), 0.5)]).double()
+    bent = bend(numbers, typical)[0]
+    names = list(BENT_NAMES)
+    assert torch.equal(bent[: len(NAMES)], numbers[0])
+    assert float(bent[names.index("square_log_red_green")]) == pytest.approx(2.0**2)
+    assert float(bent[names.index("limited_log_red_green")]) == pytest.approx(math.tanh(2))
+    assert float(bent[names.index("product_red_blue")]) == pytest.approx(2.0 * -5.0)
+
+
+def test_a_column_that_never_changes_can_be_bent() -> None:
+    numbers = torch.zeros(2, len(NAMES), dtype=torch.float64)
+    assert bool(bend(numbers, torch.zeros(2, len(NAMES))).isfinite().all())
+
+
+def test_every_column_has_one_name() -> None:
+    assert describe(grey_noise(2.0, 2)).shape == (2, len(NAMES))
+    assert len(set(BENT_NAMES)) == len(BENT_NAMES)
 
 
 def test_what_lies_outside_the_middle_does_not_count() -> None:

@@ -179,7 +179,7 @@ recipes = [ProbeRecipe("test", i, scale=s, ipd_px=16) for i in range(20) for s i
 for seconds in sys.argv[2:]:
     child = os.fork()
     if child == 0:
-        render_missing(recipes, RenderCache(Path(sys.argv[1])), maker=FakeMaker(0.01))
+        render_missing(recipes, RenderCache(Path(sys.argv[1])), maker=FakeMaker(0.03))
         os._exit(0)
     time.sleep(float(seconds))
     os.kill(child, signal.SIGKILL)
