@@ -90,7 +90,9 @@ def sample_appearance(
     shares = np.asarray(ancestry, dtype=np.float64)
     asian, european = float(shares[1]), float(shares[2])
     child = dict(zip(Appearance.__annotations__, rng.spawn(12), strict=True))
-    hair = sample_hair_colour(child["hair_colour"], age=age, ancestry=shares)
+    hair = sample_hair_colour(
+        child["hair_colour"], age=age, ancestry=shares, masculinity=masculinity
+    )
     complexion = sample_complexion(child["complexion"], age=age, ancestry=shares)
     return {
         "complexion": complexion,

@@ -37,7 +37,7 @@ from lrsr.identities.shape.template import template
 from lrsr.identities.skin.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.skin.relief import displace
 
-RECIPE_VERSION = "7"
+RECIPE_VERSION = "8"
 """Changes whenever the same seed would give other pixels."""
 
 STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")

@@ -23,14 +23,14 @@ _WEIGHTS: dict[str, tuple[float, float]] = {
     "horseshoe": (0.5, 0.0),
     "quiff": (1.4, 0.02),
     "slicked_back": (0.9, 0.05),
-    "curly": (1.1, 0.4),
+    "curly": (1.1, 0.45),
     "afro": (0.25, 0.35),
     "pixie": (0.25, 0.4),
     "curtain": (0.35, 0.3),
     "bob": (0.03, 1.6),
     "long_straight": (0.12, 1.9),
     "long_wavy": (0.12, 2.2),
-    "fringe": (0.02, 1.6),
+    "fringe": (0.02, 1.0),
     "tucked": (0.15, 1.1),
     "pulled_back": (0.12, 0.55),
 }
@@ -79,7 +79,12 @@ def sample_hair(
         for key, gain in (("curl_mm", 2.5), ("clump_mm", 0.8), ("wave_mm", 1.5)):
             parameters[key] += gain * curliness * float(rng.uniform(0.4, 1.0))
     if colour is None:
-        colour = sample_hair_colour(rng, age=age, ancestry=[shares[name] for name in ANCESTRIES])
+        colour = sample_hair_colour(
+            rng,
+            age=age,
+            ancestry=[shares[name] for name in ANCESTRIES],
+            masculinity=masculinity,
+        )
     return parameters | colour_parameters(colour)
 
 
@@ -120,9 +125,13 @@ def _style_weights(
     for style in ("receding", "horseshoe"):
         weights[style] *= 0.1 + 2.4 * age
     for style in ("pixie", "bob"):
-        weights[style] *= 1.0 + 0.7 * age
+        weights[style] *= 1.0 + 1.2 * age
+    for style in ("pulled_back", "curly"):
+        weights[style] *= 1.0 + 0.8 * age
     for style in ("fringe", "long_straight"):
-        weights[style] *= 1.3 - 0.9 * age
+        weights[style] *= 1.3 - 1.15 * age
+    for style in ("long_wavy", "tucked"):
+        weights[style] *= 1.2 - 0.7 * age
     for style in ("quiff", "curtain", "afro", "long_wavy"):
         weights[style] *= 1.3 - age
     values: NDArray[np.float64] = np.array([weights[s] for s in STYLES])

@@ -17,6 +17,7 @@ _PHEOMELANIN_ABSORPTION = np.array([0.187, 0.4, 1.05])
 _DEPTH = np.array([3.2, 3.45, 3.65])
 _SURFACE = 0.009
 _DYED = 0.12
+_GREY_DYED = 0.25  # of women whose hair turns grey
 _WHITE = np.array([0.47, 0.46, 0.44])
 
 
@@ -28,13 +29,16 @@ class HairColour(TypedDict):
     grey: float
 
 
-def sample_hair_colour(rng: Generator, *, age: float, ancestry: ArrayLike) -> HairColour:
+def sample_hair_colour(
+    rng: Generator, *, age: float, ancestry: ArrayLike, masculinity: float = 1.0
+) -> HairColour:
     """Draw a person's hair pigments.
 
     Args:
         rng: Source of randomness.
         age: 0 (25 years) to 1 (old): hair turns grey.
         ancestry: ``(3,)`` shares of African, Asian and European ancestry, summing to 1.
+        masculinity: 0 (female) to 1 (male): below 0.5 some dye what would be grey.
 
     Returns:
         Plain numbers; eumelanin 0.2 is fair, 1.3 brown, 7 black.
@@ -52,6 +56,8 @@ def sample_hair_colour(rng: Generator, *, age: float, ancestry: ArrayLike) -> Ha
         eumelanin, pheomelanin = _dye(rng, eumelanin)
     onset = 0.60 - 0.08 * european
     grey = np.clip(rng.normal(2.1 * (age - onset), 0.2), 0.0, 1.0) if age > 0.15 else 0.0
+    if grey > 0.1 and masculinity < 0.5 and rng.random() < _GREY_DYED:
+        grey, (eumelanin, pheomelanin) = 0.08 * grey, _dye(rng, min(eumelanin, 3.0))
     return {
         "eumelanin": float(np.clip(eumelanin, 0.05, 9.0)),
         "pheomelanin": float(np.clip(pheomelanin, 0.02, 1.8)),

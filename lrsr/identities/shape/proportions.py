@@ -11,7 +11,7 @@ Standard deviations within one sex and ancestry follow Farkas, "Anthropometry of
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from lrsr.identities.shape.basis import BaseHead, Basis, load_basis
 
 X, Y, Z = 0, 1, 2
-LIMIT_SD = 1.95
-"""Measures saturate softly towards this many standard deviations: people exceed it in one or two of
-36 measures, but shapes that do look like caricatures."""
+LIMIT_SD = {"outline": 1.6, "features": 2.2}
+"""Measures saturate softly towards this many standard deviations. Of 36 measures of a person one
+or two lie farther out, but heads, jaws and profiles that do look like caricatures, and tell
+recognisers little; the features of a face seen from in front may."""
 STEPS = 3
 
 
@@ -34,6 +35,7 @@ class Measure(NamedTuple):
         high: Point on the template, mm from its pupils' middle; the nearest vertex is meant.
         low: The other point.
         sd_mm: Standard deviation among people of one sex and ancestry.
+        of: "features" of the face seen from in front, or "outline" of head and profile.
     """
 
     name: str
@@ -41,10 +43,18 @@ class Measure(NamedTuple):
     high: tuple[float, float, float]
     low: tuple[float, float, float]
     sd_mm: float
+    of: Literal["features", "outline"] = "features"
 
 
-def _across(name: str, x: float, y: float, z: float, sd_mm: float) -> Measure:
-    return Measure(name, X, (x, y, z), (-x, y, z), sd_mm)
+def _across(
+    name: str,
+    x: float,
+    y: float,
+    z: float,
+    sd_mm: float,
+    of: Literal["features", "outline"] = "features",
+) -> Measure:
+    return Measure(name, X, (x, y, z), (-x, y, z), sd_mm, of)
 
 
 _NASION = (0.0, 1.3, 8.3)
@@ -59,12 +69,12 @@ _GLABELLA = (0.0, 19.5, 11.5)
 _VERTEX = (0.0, 115.0, -85.0)
 
 MEASURES = (
-    _across("width between cheekbones", 68.3, -19.2, -41.6, 5.0),
-    _across("width between jaw angles", 57.9, -80.4, -48.0, 5.5),
-    _across("width of the forehead", 60.0, 30.0, -30.0, 5.0),
-    _across("width of the head", 71.8, 51.1, -78.0, 5.5),
-    _across("width between the ears", 89.8, -6.0, -110.0, 7.0),
-    _across("width of the chin", 20.9, -103.4, -1.4, 3.5),
+    _across("width between cheekbones", 68.3, -19.2, -41.6, 5.0, "outline"),
+    _across("width between jaw angles", 57.9, -80.4, -48.0, 5.5, "outline"),
+    _across("width of the forehead", 60.0, 30.0, -30.0, 5.0, "outline"),
+    _across("width of the head", 71.8, 51.1, -78.0, 5.5, "outline"),
+    _across("width between the ears", 89.8, -6.0, -110.0, 7.0, "outline"),
+    _across("width of the chin", 20.9, -103.4, -1.4, 3.5, "outline"),
     _across("width of the nose", 19.0, -45.0, 8.0, 2.4),
     _across("width of the bridge", 9.0, -8.0, 0.0, 1.6),
     _across("width of the mouth", 25.0, -73.0, 0.0, 3.5),
@@ -74,27 +84,31 @@ MEASURES = (
     Measure("opening of the right lids", Y, (32.0, 2.9, -2.0), (32.0, -5.7, -2.0), 1.0),
     Measure("height of the brow", Y, (34.6, 17.3, 6.8), (32.0, 2.9, -2.0), 2.5),
     Measure("height of the nose", Y, _NASION, _SUBNASALE, 3.2),
-    Measure("height of the lower face", Y, _SUBNASALE, _GNATHION, 4.2),
+    Measure("height of the lower face", Y, _SUBNASALE, _GNATHION, 4.2, "outline"),
     Measure("height of the upper lip", Y, _SUBNASALE, _STOMION, 2.2),
     Measure("red of the upper lip", Y, _UPPER_LIP, _STOMION, 1.6),
     Measure("red of the lower lip", Y, _STOMION, _LOWER_LIP, 1.7),
-    Measure("height of the chin", Y, _STOMION, _GNATHION, 3.2),
-    Measure("height of the skull", Y, _VERTEX, _NASION, 6.0),
-    Measure("height of the left ear", Y, (-76.1, 23.4, -95.7), (-76.6, -51.8, -92.3), 4.0),
-    Measure("height of the right ear", Y, (76.1, 23.4, -95.7), (76.6, -51.8, -92.3), 4.0),
-    Measure("protrusion of the nose", Z, _NOSE_TIP, _SUBNASALE, 1.9),
-    Measure("depth of the bridge", Z, _NOSE_TIP, _NASION, 2.4),
-    Measure("protrusion of the brow", Z, _GLABELLA, _NASION, 1.3),
-    Measure("protrusion of the chin", Z, _POGONION, _SUBNASALE, 3.2),
+    Measure("height of the chin", Y, _STOMION, _GNATHION, 3.2, "outline"),
+    Measure("height of the skull", Y, _VERTEX, _NASION, 6.0, "outline"),
+    Measure(
+        "height of the left ear", Y, (-76.1, 23.4, -95.7), (-76.6, -51.8, -92.3), 4.0, "outline"
+    ),
+    Measure(
+        "height of the right ear", Y, (76.1, 23.4, -95.7), (76.6, -51.8, -92.3), 4.0, "outline"
+    ),
+    Measure("protrusion of the nose", Z, _NOSE_TIP, _SUBNASALE, 1.9, "outline"),
+    Measure("depth of the bridge", Z, _NOSE_TIP, _NASION, 2.4, "outline"),
+    Measure("protrusion of the brow", Z, _GLABELLA, _NASION, 1.3, "outline"),
+    Measure("protrusion of the chin", Z, _POGONION, _SUBNASALE, 3.2, "outline"),
     Measure("protrusion of the lips", Z, _UPPER_LIP, _SUBNASALE, 1.8),
     Measure("lips to each other", Z, _UPPER_LIP, _LOWER_LIP, 1.8),
     Measure("droop of the nose tip", Y, _NOSE_TIP, _SUBNASALE, 2.2),
     Measure("left mouth corner", Y, (-25.0, -73.0, 0.0), _STOMION, 1.6),
     Measure("right mouth corner", Y, (25.0, -73.0, 0.0), _STOMION, 1.6),
-    Measure("left cheek", Z, (-42.0, -45.0, -5.0), _SUBNASALE, 3.0),
-    Measure("right cheek", Z, (42.0, -45.0, -5.0), _SUBNASALE, 3.0),
+    Measure("left cheek", Z, (-42.0, -45.0, -5.0), _SUBNASALE, 3.0, "outline"),
+    Measure("right cheek", Z, (42.0, -45.0, -5.0), _SUBNASALE, 3.0, "outline"),
     Measure("crook of the nose", X, _NOSE_TIP, _NASION, 1.2),
-    Measure("crook of the jaw", X, _GNATHION, _NASION, 1.6),
+    Measure("crook of the jaw", X, _GNATHION, _NASION, 1.6, "outline"),
 )
 
 
@@ -127,7 +141,8 @@ def make_gauge(basis: Basis, template: BaseHead) -> Gauge:
     high = [row(measure.high, measure.axis) for measure in MEASURES]
     low = [row(measure.low, measure.axis) for measure in MEASURES]
     effects = (basis.fields[high] - basis.fields[low]).toarray()
-    return Gauge(effects, LIMIT_SD * np.array([measure.sd_mm for measure in MEASURES]))
+    limits = [LIMIT_SD[measure.of] * measure.sd_mm for measure in MEASURES]
+    return Gauge(effects, np.array(limits))
 
 
 def _saturate(extent: NDArray[np.float64]) -> NDArray[np.float64]:

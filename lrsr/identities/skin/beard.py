@@ -56,14 +56,12 @@ def sample_beard(rng: Generator, *, masculinity: float, asian: float, grey: floa
         Plain numbers and the kind's name.
     """
     growth = float(np.clip((masculinity - 0.55) / 0.3, 0.0, 1.0)) * (1 - 0.45 * asian)
-    kinds = np.array([0.34, 0.18, 0.10, 0.13, 0.06, 0.19 - 0.11 * asian])
+    kinds = np.array([0.40, 0.14, 0.12, 0.10, 0.06, 0.18 - 0.10 * asian])
     kind = str(rng.choice(BEARD_KINDS, p=kinds / kinds.sum())) if masculinity >= 0.6 else "none"
     long = float(np.exp(rng.normal(np.log(2.2), 0.5)))
     return {
         "kind": kind,  # type: ignore[typeddict-item] # choice() forgets which strings it was given
-        "density": float(
-            np.clip(np.exp(rng.normal(0.1, 0.35)) * (0.55 + 0.45 * growth), 0.35, 1.8)
-        ),
+        "density": float(np.clip(np.exp(rng.normal(0.3, 0.5)) * (0.55 + 0.45 * growth), 0.35, 2.8)),
         "length_mm": float(np.clip(long, 1.0, 6.0)),
         "cheek_line_mm": float(rng.uniform(-14.0, 9.0)),
         "shadow": growth * float(rng.uniform(0.1, 1.0)),

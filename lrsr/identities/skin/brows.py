@@ -56,17 +56,18 @@ def sample_brows(rng: Generator, *, masculinity: float) -> Brows:
         Plain numbers.
     """
     m = float(masculinity)
+    thickness = float(1.3 + 1.5 * m + (3.9 + 4.4 * m) * rng.beta(1.3 + 0.6 * m, 1.9))
     return {
-        "start_mm": float(rng.uniform(6.5, 15.5 - 1.0 * m)),
-        "end_mm": float(rng.uniform(42.0, 58.0)),
-        "height_mm": float(np.clip(rng.normal(2.8 - 3.4 * m, 2.4), -5.0, 6.5)),
-        "arch_mm": float(0.8 + 6.2 * rng.beta(2.2 - 0.8 * m, 1.8 + 1.8 * m)),
+        "start_mm": float(rng.uniform(6.5, 17.0 - 1.0 * m)),
+        "end_mm": float(rng.uniform(40.0, 59.0)),
+        "height_mm": float(np.clip(rng.normal(2.8 - 2.8 * m, 3.8), thickness / 2 - 7.2, 8.5)),
+        "arch_mm": float(0.3 + 8.2 * rng.beta(2.0 - 0.7 * m, 1.8 + 1.8 * m)),
         "peak": float(rng.uniform(0.44, 0.82)),
-        "slope_mm": float(np.clip(rng.normal(-0.4 - 0.4 * m, 1.3), -3.5, 1.4)),
+        "slope_mm": float(np.clip(rng.normal(-0.4 - 0.4 * m, 1.9), -4.5, 1.4)),
         "tail_mm": float(rng.uniform(0.8, 5.5)),
-        "thickness_mm": float(2.0 + 1.6 * m + (4.0 + 2.0 * m) * rng.beta(1.4 + 0.7 * m, 1.9)),
+        "thickness_mm": thickness,
         "taper": float(rng.uniform(0.4, 1.1)),
-        "density": float(np.clip(np.exp(rng.normal(0.15 + 0.15 * m, 0.55)), 0.35, 2.8)),
+        "density": float(np.clip(np.exp(rng.normal(-0.15 + 0.45 * m, 0.8)), 0.15, 4.0)),
         "strand_mm": float(rng.uniform(4.5, 8.0)),
         "bridge": float(rng.uniform(0.15, 0.7)) if rng.random() < 0.005 + 0.03 * m else 0.0,
         "unevenness_mm": float(rng.normal(0.0, 0.45)),

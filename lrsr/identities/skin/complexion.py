@@ -6,11 +6,11 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-MELANIN_LIMITS = (0.004, 0.40)
-BLOOD_LIMITS = (0.010, 0.055)
+MELANIN_LIMITS = (0.003, 0.42)
+BLOOD_LIMITS = (0.008, 0.062)
 """Volume fractions that people's means are kept within."""
 
-_MELANIN_MEANS = (0.24, 0.030, 0.0095)
+_MELANIN_MEANS = (0.24, 0.030, 0.0080)
 """Of African, Asian and European ancestry, set so that the typology angles of cheeks have medians
 of about -25, 28 and 36 degrees (faces are some 10 degrees darker than arms are)."""
 _BLOOD_MEAN = 0.022
@@ -57,27 +57,27 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
     """
     shares = np.asarray(ancestry, dtype=np.float64)
     mean = shares @ np.log(_MELANIN_MEANS)
-    melanin = np.exp(mean + rng.normal(0.0, 0.55))
-    blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.52))
+    melanin = np.exp(mean + rng.normal(0.0, 0.58))
+    blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.65))
     flush = float(np.exp(rng.normal(0.0, 0.6)))
     return {
         "melanin": float(np.clip(melanin, *MELANIN_LIMITS)),
         "blood": float(np.clip(blood, *BLOOD_LIMITS)),
-        "melanin_mottle": float(rng.uniform(0.5, 1.4) * (1 + 0.8 * age)),
-        "blood_mottle": float(rng.uniform(0.5, 1.7)),
+        "melanin_mottle": float(rng.uniform(0.5, 2.0) * (1 + 0.8 * age)),
+        "blood_mottle": float(rng.uniform(0.5, 2.3)),
         "cheeks": _soften(0.36 * flush * rng.uniform(0.3, 1.5)),
         "nose": _soften(0.33 * flush * rng.uniform(0.3, 1.4)),
         "ears": float(rng.uniform(0.15, 0.6)),
         "lids": float(rng.uniform(0.1, 0.5)),
         "chin": float(rng.uniform(-0.1, 0.45)),
         "forehead": float(rng.uniform(-0.35, 0.2)),
-        "dark_circles": float(np.clip(rng.normal(0.06 + 0.32 * age, 0.16), 0.0, 0.6)),
+        "dark_circles": float(np.clip(rng.normal(0.06 + 0.36 * age, 0.22), 0.0, 0.8)),
         "tan": float(rng.uniform(-0.1, 0.25)),
         "lip_fading": float(age * rng.uniform(0.15, 0.6)),
         "carotene": float(np.clip(rng.normal(0.04 + 0.06 * shares[1], 0.09), -0.10, 0.24)),
-        "perioral": float(np.clip(rng.normal(0.08, 0.34), -0.4, 0.9)),
-        "orbits": float(np.clip(rng.normal(0.06 + 0.15 * age, 0.30), -0.3, 0.85)),
-        "sides": float(rng.normal(0.08, 0.22)),
+        "perioral": float(np.clip(rng.normal(0.08, 0.46), -0.5, 1.1)),
+        "orbits": float(np.clip(rng.normal(0.06 + 0.18 * age, 0.42), -0.4, 1.05)),
+        "sides": float(rng.normal(0.08, 0.33)),
     }
 
 

@@ -28,6 +28,7 @@ _BLUSH = np.array([0.46, 0.16, 0.15])
 _CHEEKBONE_MM = (44.0, -30.0, -14.0)
 _LASH_ROOTS = (0.030, 0.018, 0.012)
 _BROW_GREY = 0.45  # brows turn grey later than the hair of the head
+_WHITE_BEARD = 0.35  # share of white hairs from which a beard no longer darkens the skin
 
 
 class FeaturePainter:
@@ -105,16 +106,16 @@ class FeaturePainter:
         colour = hair_rgb(hair, darker=2.2, grey=0.0) * _WARM
         colour *= min(1.0, 0.13 / float(colour.max()))
         colour = np.maximum(colour, _DARKEST_BROW)
-        self._cover_brow(albedo, hairs[white:], colour)
+        _shade(albedo, colour, self._brow_opacity(hairs[white:]))
         if white:
-            self._cover_brow(albedo, hairs[:white], _WHITE_BROW)
+            _cover(albedo, _WHITE_BROW, self._brow_opacity(hairs[:white]))
 
-    def _cover_brow(self, albedo: FloatMap, hairs: NDArray[Any], colour: ArrayLike) -> None:
+    def _brow_opacity(self, hairs: NDArray[Any]) -> FloatMap:
         canvas = eyebrows.CANVAS
         sheet = self._soften(eyebrows.cover_brows(hairs), canvas.pixel_mm)
         opacity = canvas.sample(sheet, self._brow_pixels).astype(np.float32)
         opacity *= self._front / np.float32(255)
-        _cover(albedo, colour, opacity)
+        return opacity
 
     def paint_beard(
         self, albedo: FloatMap, beard: Beard, hair: HairColour, rng: Generator
@@ -144,7 +145,8 @@ class FeaturePainter:
         sheet = self._soften(sheet, beards.JAW.pixel_mm)
         opacity = beards.JAW.sample(sheet, self._jaw_pixels).astype(np.float32)
         mask = beards.beard_mask(beard, self._zones)
-        _cover(albedo, colour, beards.feather(opacity / np.float32(255), mask))
+        paint = _cover if beard["grey"] * hair["grey"] > _WHITE_BEARD else _shade
+        paint(albedo, colour, beards.feather(opacity / np.float32(255), mask))
         if len(relief) and beard["kind"] != "stubble":
             length = np.float32(0.7 * beard["length_mm"] * min(1.0, beard["density"]))
             thick = beards.JAW.sample(tufts, self._vertex_pixels)
@@ -164,3 +166,17 @@ def _cover(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
         box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
         part = albedo[box]
         part += (np.asarray(colour, dtype=np.float32) - part) * opacity[box][..., None]
+
+
+def _shade(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
+    """Paint dark hairs over the albedo in place: between them skin is seen by what they let pass.
+
+    Light reaches that skin past hairs and leaves past hairs, so what is half covered is not the
+    mean of both colours, which looks like ash, but darker and warmer: their geometric mean.
+    """
+    rows, columns = (np.flatnonzero(opacity.any(axis=axis)) for axis in (1, 0))
+    if rows.size:
+        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        bare = np.maximum(albedo[box], np.float32(1e-4))
+        ratio = np.log(np.asarray(colour, dtype=np.float32) / bare)
+        albedo[box] = bare * np.exp(ratio * opacity[box][..., None])

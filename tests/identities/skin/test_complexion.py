@@ -16,15 +16,15 @@ from lrsr.identities.splits import identity_seed
 
 @pytest.mark.parametrize(
     ("ancestry", "melanin"),
-    [((1, 0, 0), 0.24), ((0, 1, 0), 0.030), ((0, 0, 1), 0.0095), ((0.5, 0, 0.5), 0.0477)],
+    [((1, 0, 0), 0.24), ((0, 1, 0), 0.030), ((0, 0, 1), 0.0080), ((0.5, 0, 0.5), 0.0438)],
     ids=["african", "asian", "european", "half and half"],
 )
 def test_melanins_median_follows_ancestry(
     ancestry: tuple[float, float, float], melanin: float
 ) -> None:
     rng = np.random.default_rng(0)
-    drawn = [sample_complexion(rng, age=0.3, ancestry=ancestry)["melanin"] for _ in range(800)]
-    # the median of 800 draws of spread 0.42 in the logarithm: 4 standard errors are 7.4 %
+    drawn = [sample_complexion(rng, age=0.3, ancestry=ancestry)["melanin"] for _ in range(1600)]
+    # the median of 1600 draws of spread 0.58 in the logarithm: 4 standard errors are 7.3 %
     assert np.median(drawn) == pytest.approx(melanin, rel=0.075)
     assert min(drawn) >= MELANIN_LIMITS[0]
     assert max(drawn) <= MELANIN_LIMITS[1]
