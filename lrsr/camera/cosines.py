@@ -9,10 +9,12 @@ it leaves here too, where a single high-pass filter would see none.
 """
 
 from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
 import torch
+from torch.nn import functional as F
 
 BLOCK_PX = 8
 MOVED_PX = 2
@@ -37,15 +39,13 @@ def band_powers(plane: Floats, brightness: Floats, edges: Edges, floor: float) -
         ``(B, 4 b)``: band by band the four :data:`HALVES`. White noise has its variance as the
         mean of the quiet and the busy half's.
     """
-    cosines, light = _cosines(plane), _cosines(brightness)[..., 0]
-    order = light.argsort(dim=1, stable=True)
+    order = _block_means(brightness).argsort(dim=1, stable=True)
+    power = _cosines(plane).square() @ _averages(tuple(edges))
+    bands = power.gather(1, order[..., None].expand_as(power)).transpose(1, 2)
     columns = []
-    for low, high in pairwise(edges):
-        inside = _radius_of_cosines.ge(low) & _radius_of_cosines.lt(high)
-        power = cosines[..., inside].square().mean(-1)
-        for blocks in power.gather(1, order).tensor_split(2, dim=1):
-            columns += [half.mean(1) for half in blocks.sort(dim=1).values.tensor_split(2, dim=1)]
-    return torch.stack(columns, 1).add(floor).log()
+    for blocks in bands.tensor_split(2, dim=2):
+        columns += [half.mean(2) for half in blocks.sort(dim=2).values.tensor_split(2, dim=2)]
+    return torch.stack(columns, 2).flatten(1).add(floor).log()
 
 
 def cosine_transform() -> Floats:
@@ -67,5 +67,17 @@ def _cosines(plane: Floats) -> Floats:
     return blocks.reshape(len(plane), -1, BLOCK_PX**2) @ _BOTH_WAYS
 
 
+def _block_means(plane: Floats) -> Floats:
+    """Return the means ``(B, blocks)`` of the same blocks."""
+    return F.avg_pool2d(plane[:, None], BLOCK_PX, stride=MOVED_PX).flatten(1)
+
+
+@cache
+def _averages(edges: tuple[float, ...]) -> Floats:
+    """Return what takes the mean of 64 cosines in each band, ``(64, b)``."""
+    inside = [_RADIUS.ge(low) & _RADIUS.lt(high) for low, high in pairwise(edges)]
+    return torch.stack([band.double() / band.sum() for band in inside], 1)
+
+
 _BOTH_WAYS = torch.kron(cosine_transform(), cosine_transform()).T.contiguous()
-_radius_of_cosines = torch.hypot(torch.arange(8.0)[:, None], torch.arange(8.0)).flatten()
+_RADIUS = torch.hypot(torch.arange(8.0)[:, None], torch.arange(8.0)).flatten()

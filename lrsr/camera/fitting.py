@@ -54,8 +54,13 @@ SHRINKAGE = 0.3
 """Of the covariance towards its diagonal."""
 SETTLINGS = (1, 3, 3)
 """Draws of the noise for the slopes; slopes and weights are made anew as often."""
-DRAWS, GAIN = 18, 0.5
-"""How many steps are taken after each, and which share of a whole one each is."""
+DRAWS, GAINS = 18, (0.5, 0.25, 0.1)
+"""How many steps are taken after each, and which share of a whole one each is: the smaller ones
+where the larger do not lead downhill."""
+LONGEST = 0.5
+"""A step is no longer than that in any coordinate, since slopes are those of one place."""
+JUDGES = 3
+"""Further draws, which tell whether the steps led downhill."""
 INTERVAL_SD = 1.96
 """Half the width of an interval that holds 95 % of a normal variable."""
 
@@ -137,7 +142,7 @@ def fit_camera(
     Args:
         srgb: ``(n, 3, H, W)``, [0, 1], n >= 20: all of one camera, of different people.
         shoot: Photographs always the same k >= 20 other people with given parameters:
-            ``(k, 3, H, W)``, with the same noise each time.
+            ``(k, 3, H, W)``, with the same noise each time; is called by several threads.
         parameters: What to search for.
         part: Share of the sides that counts; see :func:`lrsr.camera.statistics.describe`.
         rounds: Steps of Gauss and Newton at most, >= 1, of the first, coarse part of the search.
@@ -156,9 +161,9 @@ def fit_camera(
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Keep torch to one thread: on pictures this small several wait for each other, 7 times longer.
+    """Keep torch to one thread a trial: on small pictures many threads take 7 times as long.
 
-    The sum of a few hundred trials takes a minute that way.
+    Trials for the slopes run beside each other instead.
     """
     before = torch.get_num_threads()
     torch.set_num_threads(1)
@@ -218,14 +223,33 @@ def _settled(moments: Moments, place: Floats, slopes: tuple[Floats, Floats]) -> 
     """Return the mean of steps on fresh draws, which no draw's rough ground holds up.
 
     Stochastic approximation with averaging (B. T. Polyak, A. B. Juditsky, SIAM J. Control and
-    Optimization 30(4), 1992, doi:10.1137/0330046); the first third only gets there.
+    Optimization 30(4), 1992, doi:10.1137/0330046); the first third only gets there. Where the
+    slopes mislead, as those of noise below a codec's coarsest step do, shorter steps are tried, and
+    at last none.
     """
-    visited, inverse = [], np.linalg.pinv(moments.jacobian(slopes))
+    inverse = np.linalg.pinv(moments.jacobian(slopes))
+    before = _cost(moments, place)
+    for gain in GAINS:
+        mean = _wandered(moments, place, gain * inverse)
+        if _cost(moments, mean) < before:
+            return mean
+    return place
+
+
+def _wandered(moments: Moments, place: Floats, inverse: Floats) -> Floats:
+    visited = []
     for draw in range(1, DRAWS + 1):
-        step = GAIN * inverse @ moments.residuals(place, draw)
-        place = (place - step / max(1.0, np.abs(step).max())).clip(*moments.ranges)
+        step = inverse @ moments.residuals(place, draw)
+        place = (place - step / max(1.0, np.abs(step).max() / LONGEST)).clip(*moments.ranges)
         visited.append(place)
     return np.asarray(np.mean(visited[DRAWS // 3 :], axis=0))
+
+
+def _cost(moments: Moments, place: Floats) -> float:
+    """Return the square of the residuals, of draws of the noise that no step was taken on."""
+    draws = range(DRAWS + 1, DRAWS + 1 + JUDGES)
+    mean = np.mean([moments.residuals(place, draw) for draw in draws], axis=0)
+    return float(np.square(mean).sum())
 
 
 def _fitted(parameter: Parameter, coordinate: float, doubt: float) -> Fitted:

@@ -3,7 +3,11 @@
 See :mod:`lrsr.camera.fitting` for the formulas.
 """
 
+import os
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from threading import Lock
 
 import numpy as np
 import torch
@@ -30,7 +34,7 @@ class Moments:
 
     Args:
         srgb: ``(n, 3, H, W)``, [0, 1], n >= 20: the real pictures.
-        shoot: Photographs always the same k >= 20 strangers.
+        shoot: Photographs always the same k >= 20 strangers; is called by several threads.
         parameters: In the order of the coordinates ``(P,)``, each in units of its doubt.
         part: Share of the sides that counts.
 
@@ -57,7 +61,7 @@ class Moments:
         self.ranges: tuple[Floats, Floats] = tuple(
             np.array(bounds, dtype=np.float64).T
         )  # low, high
-        self.trials = 0
+        self.trials, self._counting = 0, Lock()
         self._kept: dict[tuple[bytes, int], tuple[Floats, Floats]] = {}
         self.strangers = len(self._numbers(np.zeros(len(parameters))))
 
@@ -105,7 +109,9 @@ class Moments:
         Returns:
             Two times ``(S, P)``.
         """
-        columns = [self._slope(place, index, steps, draws) for index in range(len(place))]
+        one = partial(self._slope, place, steps=steps, draws=draws)
+        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+            columns = list(pool.map(one, range(len(place))))
         first, second = (self._whitened(np.stack(half, 1)) for half in zip(*columns, strict=True))
         return first, second
 
@@ -127,7 +133,9 @@ class Moments:
         both = (first + second) / 2
         return np.asarray(bread @ (both.T @ chance @ both + guess) @ bread.T)
 
-    def _slope(self, place: Floats, index: int, steps: Floats, draws: int) -> tuple[Floats, Floats]:
+    def _slope(
+        self, place: Floats, index: int, *, steps: Floats, draws: int
+    ) -> tuple[Floats, Floats]:
         """Return the slopes ``(S,)`` of the means of either half along one coordinate."""
         ends = []
         for step, bound in ((-steps[index], self.ranges[0]), (steps[index], self.ranges[1])):
@@ -154,7 +162,8 @@ class Moments:
         return self._kept[key]
 
     def _numbers(self, place: Floats, draw: int = 0) -> Floats:
-        self.trials += 1
+        with self._counting:
+            self.trials += 1
         values = {
             parameter.name: min(max(parameter.value(float(c)), parameter.low), parameter.high)
             for parameter, c in zip(self.parameters, place, strict=True)
