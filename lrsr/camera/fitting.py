@@ -159,6 +159,13 @@ def fit_camera(
         return _fit(Moments(srgb, shoot, tuple(parameters), part), rounds)
 
 
+def expected_trials(parameters: int = len(PARAMETERS), rounds: int = 12) -> int:
+    """Return how often :func:`fit_camera` photographs the strangers, about: a search ends early."""
+    slopes = 2 * parameters
+    settling = sum(draws * slopes + DRAWS + 2 * JUDGES for draws in SETTLINGS)
+    return rounds * (slopes + 1) + settling + SETTLINGS[-1] * slopes
+
+
 @contextmanager
 def _one_thread() -> Iterator[None]:
     """Keep torch to one thread a trial: on small pictures many threads take 7 times as long.
@@ -227,10 +234,10 @@ def _settled(moments: Moments, place: Floats, slopes: tuple[Floats, Floats]) -> 
     slopes mislead, as those of noise below a codec's coarsest step do, shorter steps are tried, and
     at last none.
     """
-    inverse = np.linalg.pinv(moments.jacobian(slopes))
+    inverse: Floats = np.linalg.pinv(moments.jacobian(slopes))
     before = _cost(moments, place)
     for gain in GAINS:
-        mean = _wandered(moments, place, gain * inverse)
+        mean = _wandered(moments, place, np.asarray(gain * inverse))
         if _cost(moments, mean) < before:
             return mean
     return place

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import torch
+from tqdm import tqdm
 
 from lrsr.camera.camera import Camera
 from lrsr.camera.chroma_estimate import estimate_chroma
-from lrsr.camera.fitting import Fit, fit_camera
+from lrsr.camera.fitting import Fit, expected_trials, fit_camera
 from lrsr.camera.jpeg_estimate import estimate_jpeg
 from lrsr.camera.moments import LEAST_IMAGES
 from lrsr.camera.parameters import NAMES as FITTED
@@ -73,7 +74,7 @@ class FitSettings:
     preset: Mapping[str, Any]
     name: str = "fitted"
     identities: IdentityRange = field(
-        default_factory=lambda: IdentityRange(split="train", count=60)
+        default_factory=lambda: IdentityRange(split="train", count=200)
     )
     rendering: RenderingSettings = field(default_factory=RenderingSettings)
     ipd_px: float | None = None
@@ -151,12 +152,15 @@ def fit_to_folder(
     real = real.cropped(strangers.size_px)
     preset["origin_px"] = [a + b for a, b in zip(preset["origin_px"], real.origin_px, strict=True)]
     with_values(preset, dict.fromkeys(FITTED, 1.0))  # refuses a preset that lacks a stage
-    fit = fit_camera(
-        real.srgb,
-        lambda values, draw: strangers.trial(with_values(preset, values), draw),
-        part=settings.part,
-        rounds=settings.rounds,
-    )
+    expected = expected_trials(rounds=settings.rounds)
+    with tqdm(total=expected, desc="fitting", unit="trial", disable=not progress) as bar:
+
+        def shoot(values: Mapping[str, float], draw: int) -> torch.Tensor:
+            pictures = strangers.trial(with_values(preset, values), draw)
+            bar.update()
+            return pictures
+
+        fit = fit_camera(real.srgb, shoot, part=settings.part, rounds=settings.rounds)
     fitted = {**with_values(preset, fit.plain), "name": settings.name}
     blur_px = lens_blur_px(_camera(fitted))
     write_text(folder / f"{settings.name}.yaml", preset_text(fitted, fit, real, blur_px))

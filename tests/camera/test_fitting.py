@@ -127,6 +127,27 @@ def test_a_value_never_leaves_its_range() -> None:
     assert found.trials == len(tried)
 
 
+@pytest.mark.usefixtures("short")
+@pytest.mark.parametrize("gains", [(40.0,), (40.0, 0.5)], ids=["none better", "a shorter one"])
+def test_steps_that_lead_uphill_are_not_taken(
+    monkeypatch: pytest.MonkeyPatch, gains: tuple[float, ...]
+) -> None:
+    monkeypatch.setattr(fitting, "GAINS", gains)  # 40 times too long: to and fro between the ends
+    strangers = people(2, 40)
+    real = shoot(people(1, 40), HIDDEN, seed=1008)
+    found = fit_camera(
+        real, lambda values, draw: shoot(strangers, values, 9 + draw), parameters=TOY, rounds=5
+    )
+    assert found.misfit_after < 3
+    assert found.plain["blur_px"] == pytest.approx(HIDDEN["blur_px"], rel=0.15)
+    assert found.plain["noise"] == pytest.approx(HIDDEN["noise"], rel=0.2)
+
+
+def test_the_number_of_trials_is_about_what_was_expected(fit: Fit) -> None:
+    expected = fitting.expected_trials(len(TOY), rounds=5)
+    assert 0.5 * expected < fit.trials < 1.2 * expected
+
+
 def test_too_few_pictures_are_refused() -> None:
     with pytest.raises(InputError, match="19 pictures to fit: give at least 20"):
         fit_camera(people(1, 19), lambda *_: people(2))
