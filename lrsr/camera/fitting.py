@@ -234,10 +234,10 @@ def _settled(moments: Moments, place: Floats, slopes: tuple[Floats, Floats]) -> 
     slopes mislead, as those of noise below a codec's coarsest step do, shorter steps are tried, and
     at last none.
     """
-    inverse: Floats = np.linalg.pinv(moments.jacobian(slopes))
+    inverse = np.linalg.pinv(moments.jacobian(slopes)).astype(np.float64)
     before = _cost(moments, place)
     for gain in GAINS:
-        mean = _wandered(moments, place, np.asarray(gain * inverse))
+        mean = _wandered(moments, place, gain * inverse)
         if _cost(moments, mean) < before:
             return mean
     return place
