@@ -1,12 +1,14 @@
 """What does a reader get of a fitted camera? Values with doubts; faces before and after."""
 
 from collections.abc import Mapping
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lrsr.camera.fitting import Fit
@@ -25,8 +27,8 @@ DONE = (
     "Rendered people, other than those of the pictures, were photographed with trial cameras until "
     "the means of the statistics below agreed with those of the pictures (method of simulated "
     "moments).",
-    "JPEG quality and grid were found first: from the quantisation tables of JPEG files, else from "
-    "the combs in the histograms of DCT coefficients.",
+    "JPEG quality, grid and chroma sub-sampling were found first: from the headers of JPEG files, "
+    "else from the combs in the histograms of DCT coefficients.",
 )
 NOT_DONE = (
     "The pictures are not compared one by one: nobody knows what they should look like.",
@@ -35,8 +37,8 @@ NOT_DONE = (
     "Read noise is a share of white; in electrons it is as uncertain as the electrons at white. "
     "Gain and full well cannot be told apart. What the codec removed is not known at all.",
     "Blur is given to the lens as defocus, whatever its cause; width of the sharpening, denoising, "
-    "mosaic, colour matrix, fixed pattern, chroma sub-sampling (unless a JPEG file tells), and "
-    "every compression but the last are those of the camera that the search began with.",
+    "mosaic, colour matrix, fixed pattern, and every compression but the last are those of the "
+    "camera that the search began with.",
     "Standard errors are of first order and hold if the rendered population, pose and light are "
     "like those of the pictures.",
 )
@@ -137,6 +139,16 @@ def answer(fit: Fit, real: RealPictures, preset: Mapping[str, Any], blur_px: flo
     return sentences
 
 
+_KINDS = {
+    "log_power_": "spectrum",
+    "log_noise_": "noise",
+    "log_band_luma_": "cosines of luminance",
+    "log_band_red_": "cosines of red",
+    "log_band_blue_": "cosines of blue",
+}
+_BELOW: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 6}
+
+
 def draw_fit(fit: Fit) -> bytes:
     """Draw the spectrum, the noise and all differences, before and after, as a PNG."""
     with rc_context(STYLE):
@@ -159,8 +171,27 @@ def draw_fit(fit: Fit) -> bytes:
         noise.set_ylim(bottom=0)
         differences.axhspan(-2, 2, color="#dddddd", linewidth=0)
         differences.axhline(0, color="black", linewidth=0.6)
-        differences.set_xticks(range(len(BENT_NAMES)), BENT_NAMES, rotation=90, fontsize=5)
+        _name_groups(differences)
         differences.set_yscale("symlog", linthresh=3)
         differences.set(ylabel="Difference from real, in σ of chance", title="Every statistic")
         spectrum.legend()
         return png_bytes(figure)
+
+
+def _name_groups(axes: Axes) -> None:
+    """Write below the axes which kinds of statistics follow each other, with lines in between."""
+    start = 0
+    for label, names in groupby(BENT_NAMES, _kind):
+        end = start + len(list(names))
+        axes.text(
+            (start + end - 1) / 2, -0.03, label, **_BELOW, transform=axes.get_xaxis_transform()
+        )
+        axes.axvline(end - 0.5, color="#999999", linewidth=0.5)
+        start = end
+    axes.set_xticks([])
+    axes.set_xlim(-1, start)
+
+
+def _kind(name: str) -> str:
+    named = (label for prefix, label in _KINDS.items() if name.startswith(prefix))
+    return next(named, "quantiles" if name.split("_")[-1].isdigit() else "colours")

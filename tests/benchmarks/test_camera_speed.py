@@ -18,6 +18,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from lrsr.camera import Camera
 from lrsr.camera.codec import COMPRESSIONS, jpeg
+from lrsr.camera.statistics import describe
 from lrsr.paths import config_folder
 from lrsr.rendering.bands import Spectrum, band_edges, daylight
 
@@ -51,6 +52,12 @@ def test_camera(benchmark: BenchmarkFixture, compression: str, codec: str) -> No
     camera = Camera(compression, codec=codec)
     with torch.no_grad():
         assert benchmark(camera, LIGHT, METERED).shape == LIGHT.shape
+
+
+@pytest.mark.benchmark(group="camera, 64 images of 32x32")
+@pytest.mark.usefixtures("one_thread")
+def test_statistics_that_a_camera_is_fitted_by(benchmark: BenchmarkFixture) -> None:
+    assert len(benchmark(describe, LIGHT)) == BATCH
 
 
 @pytest.mark.benchmark(group="camera, 64 images of 32x32")
