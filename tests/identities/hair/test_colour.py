@@ -59,3 +59,17 @@ def test_ancestry_and_age_colour_hair() -> None:
     assert np.mean([hair["grey"] for hair in draw(1.0, (0, 0, 1))]) > 0.4
     assert all(hair["grey"] == 0 for hair in draw(0.1, (0, 0, 1)))
     assert json.loads(json.dumps(african[0])) == african[0]
+
+
+@pytest.mark.parametrize(("masculinity", "expected"), [(0.0, 0.25), (1.0, 0.0)])
+def test_one_woman_in_four_dyes_what_turns_grey_and_no_man(
+    masculinity: float, expected: float
+) -> None:
+    rng, shares = np.random.default_rng(2), (0.0, 0.0, 1.0)
+    drawn = [
+        sample_hair_colour(rng, age=1.0, ancestry=shares, masculinity=masculinity)["grey"]
+        for _ in range(600)
+    ]
+    # at that age grey is 2.1 x 0.48 of all hairs, so what is under a quarter is dyed
+    share = float(np.mean(np.array(drawn) < 0.25))
+    assert share == pytest.approx(expected, abs=4 * (0.25 * 0.75 / 600) ** 0.5 if expected else 0)

@@ -104,6 +104,9 @@ def test_features_spread_more_than_among_one_group_of_people_and_heads_do_not() 
         extents.append(gauge.effects @ (weights - basis.neutral))
     spread = np.std(extents, axis=0) / np.array([measure.sd_mm for measure in MEASURES])
     assert spread.max() < 1.9
+    assert (
+        np.percentile(spread, 90) < 1.75
+    )  # is 1.744; was held to 1.7 before features were widened
     assert 0.8 < np.median(spread) < 1.45
     front = [m.of == "outline" and m.name.startswith("width of") for m in MEASURES]
     assert spread[front].max() < 1.2

@@ -13,7 +13,7 @@ from lrsr.identities.morphable import position_map, template
 from lrsr.identities.skin.beard import BEARD_KINDS, Beard, sample_beard
 from lrsr.identities.skin.brows import Brows, sample_brows
 from lrsr.identities.skin.canvas import FloatMap
-from lrsr.identities.skin.features import FeaturePainter
+from lrsr.identities.skin.features import FeaturePainter, _shade
 from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.make_up import MakeUp, sample_make_up
 
@@ -220,3 +220,12 @@ def test_without_vertices_nothing_is_displaced() -> None:
         albedo = np.full((64, 64, 3), 0.3, dtype=np.float32)
         relief = painter.paint_beard(albedo, worn, BLACK, np.random.default_rng(0))
         assert relief.shape == (0,)
+
+
+def test_dark_hairs_shade_skin_by_their_share_and_leave_the_rest() -> None:
+    skin, hair = np.float32([0.4, 0.2, 0.1]), np.float32([0.02, 0.01, 0.01])
+    albedo = np.tile(skin, (1, 3, 1)).astype(np.float32)
+    _shade(albedo, hair, np.float32([[0.0, 0.5, 1.0]]))
+    assert np.array_equal(albedo[0, 0], skin)
+    assert albedo[0, 1] == pytest.approx(np.sqrt(skin * hair), rel=1e-5)  # the geometric mean
+    assert albedo[0, 2] == pytest.approx(hair, rel=1e-5)
