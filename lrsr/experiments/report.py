@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,15 +12,14 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from numpy.typing import ArrayLike
 
 from lrsr.errors import InputError
-from lrsr.evaluation.multiplicity import holm_adjusted
 from lrsr.evaluation.roc import RocCurve
 from lrsr.experiments.figures import Interval, draw_intervals, draw_roc, encode_face
+from lrsr.experiments.report_lines import best_methods, method_labels, report_lines
 from lrsr.files import write_text
 
 FILE = "report.html"
 _TEMPLATES = Path(__file__).resolve().parent / "templates"
 _ROW_KEYS = ("option", "label", "auc", "std", "low", "high", "n_genuine", "n_impostor")
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _COMPARISON_KEYS = ("option", "method", "against", "difference", "p")
 
 
@@ -107,10 +105,10 @@ def render_html(report: Report) -> str:
         InputError: As :func:`write_report`, but for the writing.
     """
     _check(report)
-    lines = _lines(report)
+    lines = report_lines(report.rows, report.comparisons)
     return template("report.html.j2").render(
         report=report,
-        answer=report.answer or list(_best(lines)),
+        answer=report.answer or list(best_methods(lines)),
         settings=list(flat(report.settings)),
         lines=lines,
         several_options=len({line["condition"] for line in lines}) > 1,
@@ -138,32 +136,6 @@ def template(name: str) -> Template:
     return environment.get_template(name)
 
 
-def format_p(p: float, log10_p: float | None = None) -> str:
-    r"""Write a p value with two digits, as a power of ten where it is small.
-
-    Args:
-        p: [0, 1].
-        log10_p: Its decimal logarithm, where p itself underflows.
-
-    Example:
-        >>> [format_p(p).replace("\u00a0", " ") for p in (0.43, 0.043, 0.00012, 0.0)]
-        ['0.43', '0.043', '1.2 × 10⁻⁴', '0']
-        >>> format_p(0.0, log10_p=-400.5).replace("\u00a0", " ")
-        '3.2 × 10⁻⁴⁰¹'
-    """
-    if p >= 0.00095:
-        return f"{p:.2f}" if p >= 0.095 else f"{p:.2g}"
-    if p > 0:
-        log10_p = math.log10(p)
-    if log10_p is None or not math.isfinite(log10_p):
-        return "0"
-    exponent = math.floor(log10_p)
-    mantissa = f"{10 ** (log10_p - exponent):.1f}"
-    if mantissa == "10.0":
-        mantissa, exponent = "1.0", exponent + 1
-    return f"{mantissa}\u00a0×\u00a010{str(exponent).translate(_RAISED)}"
-
-
 def _check(report: Report) -> None:
     if not report.rows:
         raise InputError("the report has no row: give at least one method's result")
@@ -186,95 +158,6 @@ def _check(report: Report) -> None:
             raise InputError(f"contact sheet {panel.title!r} has columns of {lengths} pictures")
 
 
-def _lines(report: Report) -> list[dict[str, Any]]:
-    """Turn rows into what the template prints."""
-    adjusted = holm_adjusted([comparison["p"] for comparison in report.comparisons])
-    labels = _labels(report)
-    tests: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
-    for comparison, p_holm in zip(report.comparisons, adjusted, strict=True):
-        place = (comparison["option"], comparison.get("ipd_px"), comparison["method"])
-        tests.setdefault(place, []).append(
-            {
-                "against": comparison["against"],
-                "against_label": labels[comparison["against"]],
-                "difference": _signed(comparison["difference"]),
-                "p": format_p(comparison["p"], comparison.get("log10_p")),
-                "remains": p_holm < 0.05,
-            }
-        )
-    return [
-        _line(
-            row, tests.get((row["option"], row.get("ipd_px"), row.get("method", row["label"])), [])
-        )
-        for row in report.rows
-    ]
-
-
-def _line(row: Mapping[str, Any], tests: list[dict[str, Any]]) -> dict[str, Any]:
-    low, high = row["low"], row["high"]
-    degenerate = row["std"] == 0
-    cut = not degenerate and (low <= 0 or high >= 1) and row.get("logit_low") is not None
-    if cut:
-        low, high = row["logit_low"], row["logit_high"]
-    return {
-        "option": row["option"],
-        "condition": _condition(row),
-        "label": row["label"],
-        "value": row["auc"],
-        "auc": f"{row['auc']:.3f}",
-        "low": low,
-        "high": high,
-        "interval": "no interval" if degenerate else f"{low:.3f} – {high:.3f}",
-        "cut": cut,
-        "degenerate": degenerate,
-        "std": f"{row['std']:.4f}",
-        "psnr": _optional(row.get("psnr_y_db"), ".2f"),
-        "fta": _optional(row.get("fta"), ".1%"),
-        "n_genuine": f"{row['n_genuine']:,}",
-        "n_impostor": f"{row['n_impostor']:,}",
-        "eer": _optional(row.get("eer"), ".3f"),
-        "d_prime": _optional(row.get("d_prime"), ".2f"),
-        "rank_1": _optional(row.get("rank_1"), ".1%"),
-        "fnmr": [_point(point) for point in row.get("fnmr") or ()],
-        "tests": {test["against"]: test for test in tests},
-    }
-
-
-def _point(point: Any) -> dict[str, Any]:
-    fields = point if isinstance(point, Mapping) else vars(point)
-    return {
-        "fnmr": f"{fields['fnmr']:.3f}",
-        "interval": f"{fields['fnmr_low']:.3f} – {fields['fnmr_high']:.3f}",
-        "fmr": f"{fields['fmr']:.2g}",
-        "few": bool(fields["few_false_matches"]),
-    }
-
-
-def _best(lines: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Name the highest AUC of each condition, and what it is worth."""
-    for condition in dict.fromkeys(line["condition"] for line in lines):
-        here = [line for line in lines if line["condition"] == condition]
-        top = max(line["value"] for line in here)
-        best = [line for line in here if line["value"] == top]
-        if len(best) > 1:
-            names = ", ".join(line["label"] for line in best)
-            yield f"{condition}: {names} share the highest AUC, {best[0]['auc']}."
-        else:
-            yield f"{condition}: {_praise(best[0])}."
-
-
-def _praise(line: Mapping[str, Any]) -> str:
-    interval = "" if line["degenerate"] else f" [{line['interval']}]"
-    clauses = [f"the highest AUC is that of {line['label']}, {line['auc']}{interval}"]
-    for test in line["tests"].values():
-        verdict = "" if test["remains"] else ", no difference shown"
-        clauses.append(
-            f"against {test['against_label']} {test['difference']}"
-            f" (p\u00a0=\u00a0{test['p']}{verdict})"
-        )
-    return "; ".join(clauses)
-
-
 def _against(report: Report) -> list[list[dict[str, str]]]:
     """Group the methods that others are tested against into at most two columns of the table.
 
@@ -283,14 +166,10 @@ def _against(report: Report) -> list[list[dict[str, str]]]:
     tested = {comparison["against"] for comparison in report.comparisons}
     methods = [
         {"method": method, "label": label}
-        for method, label in _labels(report).items()
+        for method, label in method_labels(report.rows).items()
         if method in tested
     ]
     return [column for column in (methods[:1], methods[1:]) if column]
-
-
-def _labels(report: Report) -> dict[str, str]:
-    return {row.get("method", row["label"]): row["label"] for row in report.rows}
 
 
 def _target_fmrs(report: Report) -> list[str]:
@@ -336,13 +215,6 @@ def _panel(panel: Panel, report: Report) -> dict[str, Any]:
     }
 
 
-def _condition(row: Mapping[str, Any]) -> str:
-    words = [f"Option {row['option']}"]
-    if row.get("ipd_px") is not None:
-        words.append(f"IPD {row['ipd_px']:g} px")
-    return ", ".join(words)
-
-
 def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
     """Yield the dotted name and the text of every value of nested settings."""
     for key, value in settings.items():
@@ -352,14 +224,6 @@ def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, s
             yield f"{prefix}{key}", ", ".join(map(str, value))
         else:
             yield f"{prefix}{key}", str(value)
-
-
-def _optional(value: float | None, form: str) -> str:
-    return "–" if value is None else format(value, form)
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.3f}".replace("-", "−")
 
 
 def _percent(level: float) -> str:

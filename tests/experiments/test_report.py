@@ -14,7 +14,8 @@ from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.biometrics import fnmr_at_fmr
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
 from lrsr.evaluation.roc import trace_roc
-from lrsr.experiments.report import Panel, Report, format_p, render_html, write_report
+from lrsr.experiments.report import Panel, Report, render_html, write_report
+from lrsr.experiments.report_lines import format_p
 
 METHODS = {"base": "Base", "bicubic4": "Bicubic 4", "srcnn4": "SR 4"}
 
@@ -177,12 +178,21 @@ def test_methods_that_share_the_highest_area_are_all_named() -> None:
     assert "Base, Bicubic 4, SR 4 share the highest AUC, 1.000" in text
 
 
+def test_the_only_method_of_a_condition_is_not_called_the_best() -> None:
+    scores = np.array([0.4, 0.6, 0.9]), np.array([0.1, 0.2, 0.5, 0.5])
+    rows = [make_row(option, "base", scores) for option in (1, 2)]
+    text = Page(render_html(make_report(rows=rows, comparisons=[], panels=[]))).text
+    assert "highest" not in text
+    for option, row in zip((1, 2), rows, strict=True):
+        assert f"Option {option}, IPD 8 px: the AUC of Base is {row['auc']:.3f} [" in text
+
+
 def test_complete_separation_has_no_interval_and_a_note() -> None:
     rows = [make_row(1, "base", (np.array([2.0, 3.0]), np.array([0.0, 1.0])))]
     text = Page(render_html(make_report(rows=rows, comparisons=[], panels=[]))).text
     assert "no interval" in text
     assert "separated completely" in text
-    assert "the highest AUC is that of Base, 1.000." in text
+    assert "the AUC of Base is 1.000." in text
 
 
 def test_an_interval_cut_at_one_gives_way_to_the_logit_interval() -> None:

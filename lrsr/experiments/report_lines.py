@@ -1,0 +1,161 @@
+"""How does a report word its numbers? As lines of a table and one sentence a condition."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from lrsr.evaluation.multiplicity import holm_adjusted
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+Entries = Sequence[Mapping[str, Any]]
+"""Rows or comparisons, as in ``results.json``."""
+
+
+def report_lines(rows: Entries, comparisons: Entries) -> list[dict[str, Any]]:
+    """Return each row as the words that the template prints.
+
+    Args:
+        rows: Lines of the table, as of :class:`lrsr.experiments.report.Report`.
+        comparisons: Its paired tests; each is found again in the line of its method. Those that
+            remain significant at 5 % after Holm's correction for all of them are marked.
+    """
+    adjusted = holm_adjusted([comparison["p"] for comparison in comparisons])
+    labels = method_labels(rows)
+    tests: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for comparison, p_holm in zip(comparisons, adjusted, strict=True):
+        place = (comparison["option"], comparison.get("ipd_px"), comparison["method"])
+        tests.setdefault(place, []).append(
+            {
+                "against": comparison["against"],
+                "against_label": labels[comparison["against"]],
+                "difference": _signed(comparison["difference"]),
+                "p": format_p(comparison["p"], comparison.get("log10_p")),
+                "remains": p_holm < 0.05,
+            }
+        )
+    return [
+        _line(
+            row, tests.get((row["option"], row.get("ipd_px"), row.get("method", row["label"])), [])
+        )
+        for row in rows
+    ]
+
+
+def best_methods(lines: Entries) -> Iterator[str]:
+    """Yield a sentence for each condition of :func:`report_lines`: who is best, by how much."""
+    for condition in dict.fromkeys(line["condition"] for line in lines):
+        here = [line for line in lines if line["condition"] == condition]
+        top = max(line["value"] for line in here)
+        best = [line for line in here if line["value"] == top]
+        if len(here) == 1:
+            yield f"{condition}: the AUC of {_measured(best[0], ' is ')}."
+        elif len(best) > 1:
+            names = ", ".join(line["label"] for line in best)
+            yield f"{condition}: {names} share the highest AUC, {best[0]['auc']}."
+        else:
+            yield f"{condition}: {_praise(best[0])}."
+
+
+def method_labels(rows: Entries) -> dict[str, str]:
+    """Return the label of each method, in the order of the rows."""
+    return {row.get("method", row["label"]): row["label"] for row in rows}
+
+
+def format_p(p: float, log10_p: float | None = None) -> str:
+    r"""Write a p value with two digits, as a power of ten where it is small.
+
+    Args:
+        p: [0, 1].
+        log10_p: Its decimal logarithm, where p itself underflows.
+
+    Example:
+        >>> [format_p(p).replace("\u00a0", " ") for p in (0.43, 0.043, 0.00012, 0.0)]
+        ['0.43', '0.043', '1.2 × 10⁻⁴', '0']
+        >>> format_p(0.0, log10_p=-400.5).replace("\u00a0", " ")
+        '3.2 × 10⁻⁴⁰¹'
+    """
+    if p >= 0.00095:
+        return f"{p:.2f}" if p >= 0.095 else f"{p:.2g}"
+    if p > 0:
+        log10_p = math.log10(p)
+    if log10_p is None or not math.isfinite(log10_p):
+        return "0"
+    exponent = math.floor(log10_p)
+    mantissa = f"{10 ** (log10_p - exponent):.1f}"
+    if mantissa == "10.0":
+        mantissa, exponent = "1.0", exponent + 1
+    return f"{mantissa}\u00a0×\u00a010{str(exponent).translate(_RAISED)}"
+
+
+def _line(row: Mapping[str, Any], tests: list[dict[str, Any]]) -> dict[str, Any]:
+    low, high = row["low"], row["high"]
+    degenerate = row["std"] == 0
+    cut = not degenerate and (low <= 0 or high >= 1) and row.get("logit_low") is not None
+    if cut:
+        low, high = row["logit_low"], row["logit_high"]
+    return {
+        "option": row["option"],
+        "condition": _condition(row),
+        "label": row["label"],
+        "value": row["auc"],
+        "auc": f"{row['auc']:.3f}",
+        "low": low,
+        "high": high,
+        "interval": "no interval" if degenerate else f"{low:.3f} – {high:.3f}",
+        "cut": cut,
+        "degenerate": degenerate,
+        "std": f"{row['std']:.4f}",
+        "psnr": _optional(row.get("psnr_y_db"), ".2f"),
+        "fta": _optional(row.get("fta"), ".1%"),
+        "n_genuine": f"{row['n_genuine']:,}",
+        "n_impostor": f"{row['n_impostor']:,}",
+        "eer": _optional(row.get("eer"), ".3f"),
+        "d_prime": _optional(row.get("d_prime"), ".2f"),
+        "rank_1": _optional(row.get("rank_1"), ".1%"),
+        "fnmr": [_point(point) for point in row.get("fnmr") or ()],
+        "tests": {test["against"]: test for test in tests},
+    }
+
+
+def _point(point: Any) -> dict[str, Any]:
+    fields = point if isinstance(point, Mapping) else vars(point)
+    return {
+        "fnmr": f"{fields['fnmr']:.3f}",
+        "interval": f"{fields['fnmr_low']:.3f} – {fields['fnmr_high']:.3f}",
+        "fmr": f"{fields['fmr']:.2g}",
+        "few": bool(fields["few_false_matches"]),
+    }
+
+
+def _praise(line: Mapping[str, Any]) -> str:
+    clauses = [f"the highest AUC is that of {_measured(line)}"]
+    for test in line["tests"].values():
+        verdict = "" if test["remains"] else ", no difference shown"
+        clauses.append(
+            f"against {test['against_label']} {test['difference']}"
+            f" (p\u00a0=\u00a0{test['p']}{verdict})"
+        )
+    return "; ".join(clauses)
+
+
+def _measured(line: Mapping[str, Any], between: str = ", ") -> str:
+    interval = "" if line["degenerate"] else f" [{line['interval']}]"
+    return f"{line['label']}{between}{line['auc']}{interval}"
+
+
+def _condition(row: Mapping[str, Any]) -> str:
+    words = [f"Option {row['option']}"]
+    if row.get("ipd_px") is not None:
+        words.append(f"IPD {row['ipd_px']:g} px")
+    return ", ".join(words)
+
+
+def _optional(value: float | None, form: str) -> str:
+    return "–" if value is None else format(value, form)
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.3f}".replace("-", "−")
