@@ -1,4 +1,4 @@
-"""How hard was a picture squeezed, and where did its blocks fall? From the pixels, or the file.
+"""How hard was a picture squeezed, and where did its blocks fall? From the pixels.
 
 In a decoded JPEG the DCT coefficients of luminance, taken on the grid of its blocks, lie near
 multiples of the steps of its quantisation table; on any other grid they lie anywhere (Z. Fan,
@@ -10,7 +10,6 @@ whose steps drown in the rounding of the decoded levels. H.264 leaves no such ta
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,10 +18,10 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.camera.contract import check_light
+from lrsr.camera.jpeg_tables import BLOCK_PX, luminance_table
 from lrsr.camera.processing import luminance
 from lrsr.errors import ImageContractError
 
-BLOCK_PX = 8
 ROUNDING = 0.4
 """Standard deviation of a coefficient after decoding: luminance and three colours are rounded."""
 LEAST = 1.5
@@ -35,11 +34,6 @@ ENOUGH = 50
 """Coefficients at least; fewer prove nothing."""
 SAMPLE = 64
 """Coefficients of each frequency that a grid is chosen by; the quality is found with all."""
-
-# Annex K.1 of ITU-T T.81, luminance, row by row.
-_TABLE = """16 11 10 16 24 40 51 61 12 12 14 19 26 58 60 55 14 13 16 24 40 57 69 56 14 17 22 29 51
-87 80 62 18 22 37 56 68 109 103 77 24 35 55 64 81 104 113 92 49 64 78 87 103 121 120 101 72 92 95 98
-112 100 103 99"""
 
 Floats = NDArray[np.float64]
 
@@ -57,35 +51,6 @@ class JpegEstimate:
     quality: int
     origin_px: tuple[int, int]
     evidence: float
-
-
-def luminance_table(quality: int) -> Floats:
-    """Return the steps ``(8, 8)`` (down, right) of luminance that libjpeg uses at a quality.
-
-    Args:
-        quality: 1-100.
-
-    Example:
-        >>> luminance_table(75)[0, :4].tolist()
-        [8.0, 6.0, 5.0, 8.0]
-    """
-    scale = 5000 // quality if quality < 50 else 200 - 2 * quality
-    table = np.array(_TABLE.split(), dtype=np.int64).reshape(BLOCK_PX, BLOCK_PX)
-    return ((table * scale + 50) // 100).clip(1, 255).astype(np.float64)
-
-
-def nearest_quality(table: Floats) -> int:
-    """Return the quality whose luminance table ``(8, 8)`` is nearest, by mean log ratio.
-
-    Example:
-        >>> nearest_quality(luminance_table(40))
-        40
-    """
-    distance = [
-        float(np.abs(np.log(np.asarray(table) / luminance_table(quality))).mean())
-        for quality in range(1, 101)
-    ]
-    return 1 + int(np.argmin(distance))
 
 
 def estimate_jpeg(srgb: torch.Tensor) -> JpegEstimate | None:
@@ -163,67 +128,6 @@ def _log_ratios(seen: Floats, steps: Floats) -> Floats:
     return np.asarray(ratios.sum(axis=1))
 
 
-def read_jpeg_settings(file: bytes) -> tuple[int, str] | None:
-    """Read quality and chroma sub-sampling from the tables of a JPEG file.
-
-    Args:
-        file: Its bytes.
-
-    Returns:
-        The quality whose luminance table is nearest to the file's, and e.g. "4:2:0" ("4:4:4" for a
-        file without colour); None for another kind of file, a broken one, or rare sub-sampling.
-
-    Example:
-        >>> read_jpeg_settings(b"GIF89a") is None
-        True
-    """
-    if not file.startswith(b"\xff\xd8"):
-        return None
-    table, chroma = None, None
-    for marker, content in _segments(file):
-        if marker == 0xDB:
-            table = _first_table(content) if table is None else table
-        elif marker in (0xC0, 0xC1, 0xC2):
-            chroma = _chroma(content)
-    if table is None or chroma is None:
-        return None
-    return nearest_quality(table), chroma
-
-
-def _segments(file: bytes) -> Sequence[tuple[int, bytes]]:
-    """Return marker and content of everything before the scan."""
-    found, place = [], 2
-    while place + 4 <= len(file) and file[place] == 0xFF and file[place + 1] != 0xDA:
-        length = int.from_bytes(file[place + 2 : place + 4], "big")
-        found.append((file[place + 1], file[place + 4 : place + 2 + length]))
-        place += 2 + length
-    return found
-
-
-def _first_table(content: bytes) -> Floats | None:
-    """Return table 0 (luminance) of a DQT segment, from its zigzag order."""
-    place = 0
-    while place < len(content):
-        wide, number = content[place] >> 4, content[place] & 15
-        size = 128 if wide else 64
-        steps = np.frombuffer(content[place + 1 : place + 1 + size], ">u2" if wide else "u1")
-        if number == 0 and len(steps) == 64 and steps.min() > 0:
-            table = np.empty(64)
-            table[_ZIGZAG] = steps
-            return table.reshape(BLOCK_PX, BLOCK_PX)
-        place += 1 + size
-    return None
-
-
-def _chroma(frame: bytes) -> str | None:
-    """Return the sub-sampling that a start-of-frame segment says."""
-    if len(frame) < 9:
-        return None
-    if frame[5] == 1:
-        return "4:4:4"
-    return {0x11: "4:4:4", 0x21: "4:2:2", 0x22: "4:2:0"}.get(frame[7])
-
-
 _ANGLES = (2 * np.arange(8) + 1)[None] * np.arange(8)[:, None] * math.pi / 16
 _DCT: Floats = np.cos(_ANGLES) * np.where(np.arange(8)[:, None] == 0, math.sqrt(1 / 8), 0.5)
 _STEPS = np.stack([luminance_table(quality) for quality in range(1, 101)])
@@ -232,7 +136,3 @@ _DISTINCT = [
     [np.unique(_STEPS[:, row, column], return_inverse=True) for column in range(BLOCK_PX)]
     for row in range(BLOCK_PX)
 ]
-_ZIGZAG = sorted(
-    range(64),
-    key=lambda k: (k // 8 + k % 8, k // 8 if (k // 8 + k % 8) % 2 else k % 8),
-)

@@ -10,20 +10,17 @@ sec. 3; also in C. Reich et al. 2024, arXiv:2309.06978), and levels in between a
 import math
 from functools import lru_cache
 
-import numpy as np
 import torch
 from kornia.color import rgb_to_ycbcr, ycbcr_to_rgb
 from torch.nn import functional as F
 
 from lrsr.camera.contract import check_light, check_setting
-from lrsr.camera.jpeg_estimate import luminance_table
+from lrsr.camera.jpeg_tables import BLOCK_PX, chrominance_table, luminance_table
 
-BLOCK_PX = 8
 SHARING = {"4:4:4": (1, 1), "4:2:2": (1, 2), "4:2:0": (2, 2)}
 """(rows, columns) of pixels that share one sample of each colour."""
 
 _MIDDLE, _GREY = 128, 127.5  # what is 0 in a block: of luminance, of colours as kornia counts them
-_STEPS = ((17, 18, 24, 47), (18, 21, 26, 66), (24, 26, 56, 99), (47, 66, 99, 99))
 
 
 def soft_jpeg(srgb: torch.Tensor, quality: int, chroma: str = "4:2:0") -> torch.Tensor:
@@ -55,26 +52,16 @@ def soft_jpeg(srgb: torch.Tensor, quality: int, chroma: str = "4:2:0") -> torch.
     framed = F.pad(srgb, (0, ends[0], 0, ends[1]), mode="replicate")
     middle = srgb.new_tensor([_MIDDLE, _GREY, _GREY])[:, None, None]
     luma, colours = (rgb_to_ycbcr(framed) * 255 - middle).split((1, 2), 1)
-    luma = through_blocks(luma, torch.from_numpy(luminance_table(quality)))
-    colours = through_blocks(F.avg_pool2d(colours, (rows, columns)), chrominance_table(quality))
+    luma_steps, colour_steps = (
+        torch.from_numpy(t(quality)) for t in (luminance_table, chrominance_table)
+    )
+    luma = through_blocks(luma, luma_steps)
+    colours = through_blocks(F.avg_pool2d(colours, (rows, columns)), colour_steps)
     colours = colours[..., : math.ceil(height / rows), : math.ceil(width / columns)]
     colours = F.interpolate(colours, scale_factor=(rows, columns), mode="bilinear")
     planes = torch.cat([luma[..., :height, :width], colours[..., :height, :width]], 1)
     decoded: torch.Tensor = ycbcr_to_rgb((planes + middle) / 255)
     return decoded
-
-
-def chrominance_table(quality: int) -> torch.Tensor:
-    """Return the steps ``(8, 8)`` of both colours' coefficients (T.81, table K.2, scaled), float64.
-
-    Example:
-        >>> chrominance_table(75)[0, :5].tolist()
-        [9.0, 9.0, 12.0, 24.0, 50.0]
-    """
-    scale = 5000 // quality if quality < 50 else 200 - 2 * quality
-    table = np.full((BLOCK_PX, BLOCK_PX), 99)
-    table[:4, :4] = _STEPS
-    return torch.from_numpy(((table * scale + 50) // 100).clip(1, 255).astype(np.float64))
 
 
 def through_blocks(plane: torch.Tensor, table: torch.Tensor) -> torch.Tensor:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import torch
 
-from lrsr.camera.jpeg_estimate import read_jpeg_settings
+from lrsr.camera.jpeg_tables import read_jpeg_settings
 from lrsr.data.png import read_png
 from lrsr.errors import InputError
 

@@ -1,0 +1,70 @@
+"""Checked against what OpenCV and Pillow write."""
+
+import io
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from lrsr.camera.jpeg_tables import (
+    chrominance_table,
+    luminance_table,
+    nearest_quality,
+    read_jpeg_settings,
+)
+
+
+def encoded(quality: int, factor: int = cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420) -> bytes:
+    rows = np.random.default_rng(5).integers(0, 256, (32, 32, 3), dtype=np.uint8)
+    settings = [cv2.IMWRITE_JPEG_QUALITY, quality, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, factor]
+    return bytes(cv2.imencode(".jpg", rows, settings)[1])
+
+
+@pytest.mark.parametrize("quality", [1, 10, 49, 50, 75, 95, 100])
+def test_tables_are_those_that_pillow_writes(quality: int) -> None:
+    file = io.BytesIO()
+    Image.fromarray(np.zeros((8, 8, 3), np.uint8)).save(file, "JPEG", quality=quality)
+    tables = Image.open(file).quantization
+    assert luminance_table(quality).flatten().tolist() == tables[0]
+    assert chrominance_table(quality).flatten().tolist() == tables[1]
+
+
+@pytest.mark.parametrize("quality", [1, 37, 50, 75, 100])
+def test_the_file_tells_its_own_quality(quality: int) -> None:
+    assert read_jpeg_settings(encoded(quality)) == (quality, "4:2:0")
+
+
+@pytest.mark.parametrize(
+    ("factor", "chroma"),
+    [
+        (cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444, "4:4:4"),
+        (cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422, "4:2:2"),
+    ],
+)
+def test_the_file_tells_its_sub_sampling(factor: int, chroma: str) -> None:
+    assert read_jpeg_settings(encoded(80, factor)) == (80, chroma)
+
+
+def test_a_grey_file_has_its_colour_at_full_size() -> None:
+    _, file = cv2.imencode(".jpg", np.full((16, 16), 90, np.uint8), [cv2.IMWRITE_JPEG_QUALITY, 66])
+    assert read_jpeg_settings(bytes(file)) == (66, "4:4:4")
+
+
+def test_a_file_cut_short_tells_nothing() -> None:
+    assert read_jpeg_settings(encoded(75)[:40]) is None
+
+
+def test_other_files_tell_nothing() -> None:
+    assert read_jpeg_settings(bytes(cv2.imencode(".png", np.zeros((8, 8), np.uint8))[1])) is None
+
+
+def test_steps_fall_as_quality_rises() -> None:
+    tables = [luminance_table(quality) for quality in range(1, 101)]
+    assert all(bool((a >= b).all()) for a, b in pairwise(tables))
+    assert tables[-1].max() == 1
+
+
+def test_a_foreign_table_has_a_nearest_quality() -> None:
+    assert abs(nearest_quality(1.1 * luminance_table(50)) - 50) <= 5
