@@ -10,6 +10,7 @@ whose steps drown in the rounding of the decoded levels. H.264 leaves no such ta
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,6 +33,8 @@ EVIDENCE = 0.05
 """Mean log-likelihood ratio a coefficient, against no table at all, that a table has to reach."""
 ENOUGH = 50
 """Coefficients at least; fewer prove nothing."""
+GRIDS = tuple((x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX))
+"""Places of the first pixel within its block."""
 SAMPLE = 64
 """Coefficients of each frequency that a grid is chosen by; the quality is found with all."""
 
@@ -53,11 +56,14 @@ class JpegEstimate:
     evidence: float
 
 
-def estimate_jpeg(srgb: torch.Tensor) -> JpegEstimate | None:
+def estimate_jpeg(
+    srgb: torch.Tensor, *, grids: Sequence[tuple[int, int]] = GRIDS
+) -> JpegEstimate | None:
     """Find quality and grid of pictures that went through the same JPEG.
 
     Args:
         srgb: ``(B, 3, H, W)``, [0, 1], multiples of 1/255, H and W >= 16; 20 pictures are plenty.
+        grids: Which ``(x, y)`` are tried.
 
     Returns:
         The likeliest; None if the pictures show no blocks.
@@ -70,7 +76,6 @@ def estimate_jpeg(srgb: torch.Tensor) -> JpegEstimate | None:
         raise ImageContractError(f"srgb: got {tuple(srgb.shape)}, wanted H and W >= 16")
     clipped = ((srgb <= 0) | (srgb >= 1)).any(1).numpy()
     levels = luminance(srgb)[:, 0].double().mul(255).numpy() - 128
-    grids = [(x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX)]
     chances = [_likeliest(_coefficients(levels, clipped, grid), SAMPLE)[1] for grid in grids]
     grid = grids[int(np.argmax(chances))]
     quality, evidence = _likeliest(_coefficients(levels, clipped, grid))

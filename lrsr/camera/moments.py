@@ -14,7 +14,7 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.camera.parameters import Parameter
-from lrsr.camera.statistics import NAMES, bend, describe
+from lrsr.camera.statistics import NAMES, bend, describe, others
 from lrsr.errors import InputError
 
 LEAST_IMAGES = 20
@@ -23,6 +23,9 @@ MODEL_ERROR = 0.02
 """Standard deviation that no statistic is believed beyond, in units of its spread over pictures."""
 LEAST_VARIANCE = 1e-6
 """Of a statistic that is the same in all pictures."""
+FOLDS = 10
+"""Of the people: what chance does is told by people whom the weights were not made from. There are
+more statistics than people at times; among their own makers such weights see too little chance."""
 
 Floats = NDArray[np.float64]
 Shoot = Callable[[Mapping[str, float], int], torch.Tensor]
@@ -43,6 +46,7 @@ class Moments:
         ranges: ``(2, P)``, lowest and highest coordinates.
         trials: How often the strangers were photographed.
         strangers: How many they are.
+        spread: ``(S,)``, standard deviation of the differences by chance alone; of :meth:`weigh`.
 
     Raises:
         InputError: Too few pictures of either kind.
@@ -55,7 +59,7 @@ class Moments:
         _enough(srgb, "pictures to fit")
         plain = describe(srgb, part)
         self._typical = torch.stack([plain.mean(0), plain.std(0)])
-        self._real = np.asarray(bend(plain, self._typical))
+        self._real = np.asarray(bend(plain, others(plain)))
         self.measured: Floats = self._real.mean(0)
         bounds = [(p.coordinate(p.low), p.coordinate(p.high)) for p in parameters]
         self.ranges: tuple[Floats, Floats] = tuple(
@@ -76,19 +80,17 @@ class Moments:
             bent: Heed the bent columns, which are of use near the answer only.
         """
         self._used = slice(None) if bent else slice(len(NAMES))
-        people = self._real if place is None else self._pooled(place)
-        covariance = np.cov(people[:, self._used].T)
-        variance = np.diag(covariance).clip(LEAST_VARIANCE)
+        pooled = self._real - self.measured if place is None else self._pooled(place)
+        people = pooled[:, self._used]
         exact = 1 / len(self._real) + 1 / self.strangers
-        known = np.diag(MODEL_ERROR**2 * variance + LEAST_VARIANCE * exact)
-        self._chance: Floats = covariance * exact + known
-        shrunk = (1 - shrinkage) * covariance + shrinkage * np.diag(variance)
-        self._whiten = np.linalg.inv(np.linalg.cholesky(shrunk * exact + known))
-
-    @property
-    def spread(self) -> Floats:
-        """Standard deviation ``(S,)`` of the differences by chance alone."""
-        return np.asarray(np.sqrt(np.diag(self._chance)))
+        self._known: Floats = exact * LEAST_VARIANCE + MODEL_ERROR**2 * _variance(people)
+        self.spread: Floats = np.sqrt(exact * _variance(people) + self._known)
+        self._whiten = self._whitening(people, shrinkage, exact)
+        self._left_out: list[tuple[Floats, Floats]] = []
+        scale = np.sqrt(exact * len(people) / (len(people) - 2))  # two means were taken off
+        for k in range(FOLDS):
+            whiten = self._whitening(np.delete(people, np.s_[k::FOLDS], 0), shrinkage, exact)
+            self._left_out.append((scale * people[k::FOLDS] / np.sqrt(len(people)), whiten))
 
     def simulated(self, place: Floats, draw: int = 0) -> Floats:
         """Return the means ``(S,)`` at coordinates ``(P,)``, of one draw of the noise."""
@@ -121,17 +123,30 @@ class Moments:
         return np.concatenate([-(slopes[0] + slopes[1]) / 2, np.eye(slopes[0].shape[1])])
 
     def misfit(self, means: Floats) -> float:
-        """Return the mean square of the whitened differences: about 1 by chance alone."""
-        return float(np.square(self._whitened(self.measured - means)).mean())
+        """Return the square of the whitened differences, of which chance alone gives about 1."""
+        chance = np.square(self._whiten * np.sqrt(self._known)).sum()
+        chance += sum(np.square(people @ whiten.T).sum() for people, whiten in self._left_out)
+        return float(np.square(self._whitened(self.measured - means)).sum() / chance)
 
     def covariance(self, slopes: tuple[Floats, Floats]) -> Floats:
         """Return that ``(P, P)`` of the estimated coordinates, in squares of the doubts."""
         first, second = slopes
         guess = np.eye(first.shape[1])
-        bread = np.linalg.inv((first.T @ second + second.T @ first) / 2 + guess)
-        chance = self._whiten @ self._chance @ self._whiten.T
+        curvature, axes = np.linalg.eigh((first.T @ second + second.T @ first) / 2)
+        bread = np.linalg.inv(axes * curvature.clip(0) @ axes.T + guess)
         both = (first + second) / 2
-        return np.asarray(bread @ (both.T @ chance @ both + guess) @ bread.T)
+        plain = np.linalg.solve(self._whiten, both)
+        known = np.sqrt(self._known)[:, None] * (self._whiten.T @ both)
+        moved = [people @ whiten.T @ (whiten @ plain) for people, whiten in self._left_out]
+        meat = np.concatenate([*moved, known, guess])
+        return np.asarray(bread @ (meat.T @ meat) @ bread.T)
+
+    def _whitening(self, people: Floats, shrinkage: float, exact: float) -> Floats:
+        """Return what whitens the differences of two means of such people, of mean 0 each."""
+        covariance, variance = people.T @ people / (len(people) - 1), _variance(people)
+        shrunk = (1 - shrinkage) * covariance + shrinkage * np.diag(variance)
+        chance = shrunk * exact + np.diag(self._known)
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(chance)))
 
     def _slope(
         self, place: Floats, index: int, *, steps: Floats, draws: int
@@ -171,6 +186,10 @@ class Moments:
         pictures = self.shoot(values, draw)
         _enough(pictures, "rendered people")
         return np.asarray(bend(describe(pictures, self.part), self._typical))
+
+
+def _variance(people: Floats) -> Floats:
+    return np.asarray(np.square(people).sum(0) / (len(people) - 1)).clip(LEAST_VARIANCE)
 
 
 def _enough(srgb: torch.Tensor, what: str) -> None:

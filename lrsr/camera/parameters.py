@@ -3,7 +3,7 @@
 import copy
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from lrsr.errors import InputError
@@ -15,7 +15,8 @@ class Parameter:
 
     Attributes:
         name: With its unit.
-        start: Where the search begins; the guess that the pictures have to overrule.
+        start: Where the search begins; the guess that the pictures have to overrule. That of
+            :data:`PARAMETERS` is the preset ``generic``'s, nearly.
         low: It never goes below.
         high: It never goes above.
         doubt: Standard deviation of the guess, of the logarithm where ``logarithmic``.
@@ -74,6 +75,59 @@ def with_values(preset: Mapping[str, Any], values: Mapping[str, float]) -> dict[
     Raises:
         InputError: The preset lacks a stage that is to be fitted.
     """
+    _check_stages(preset)
+    fitted = copy.deepcopy(dict(preset))
+    optics, sensor = fitted["optics"], fitted["sensor"]
+    rounded = {name: float(f"{value:.5g}") for name, value in values.items()}
+    optics["defocus_um"] = float(f"{_defocus_um_per_px(optics) * values['blur_px']:.5g}")
+    sensor |= {"full_well_e": rounded["white_e"], "gain": 1.0}
+    sensor["read_noise_e"] = float(f"{values['read_noise'] * values['white_e']:.5g}")
+    fitted["colour"]["cast"] = [rounded["cast_red"], 1.0, rounded["cast_blue"]]
+    fitted["exposure_ev"] = rounded["exposure_ev"]
+    for name in ("sharpen_amount", "contrast", "saturation"):
+        fitted["processing"][name] = rounded[name]
+    return fitted
+
+
+def starting_from(preset: Mapping[str, Any]) -> tuple[Parameter, ...]:
+    """Return :data:`PARAMETERS` with a preset's own values as the guess.
+
+    A value outside a parameter's range starts at its end.
+
+    Args:
+        preset: Plain mapping as in ``conf/camera``.
+
+    Raises:
+        InputError: The preset lacks a stage that is to be fitted, or measures its filters: a cast
+            is none of its settings.
+    """
+    _check_stages(preset)
+    optics, sensor, processing = (preset[name] for name in ("optics", "sensor", "processing"))
+    if "sensitivities" in preset["colour"]:
+        raise InputError(
+            f"camera={preset.get('name')} has measured colour filters, which are not fitted: start "
+            "from one with filters of three numbers, e.g. camera=generic"
+        )
+    white_e = sensor.get("full_well_e", 10_000) / sensor.get("gain", 1)
+    red, green, blue = preset["colour"].get("cast", (1, 1, 1))
+    values = {
+        "blur_px": optics.get("defocus_um", 0) / _defocus_um_per_px(optics),
+        "sharpen_amount": processing.get("sharpen_amount", 0),
+        "read_noise": sensor.get("read_noise_e", 3) / white_e,
+        "white_e": white_e,
+        "exposure_ev": preset.get("exposure_ev", 0),
+        "cast_red": red / green,
+        "cast_blue": blue / green,
+        "contrast": processing.get("contrast", 1),
+        "saturation": processing.get("saturation", 1),
+    }
+    return tuple(
+        replace(one, start=min(max(float(values[one.name]), one.low), one.high))
+        for one in PARAMETERS
+    )
+
+
+def _check_stages(preset: Mapping[str, Any]) -> None:
     missing = [name for name in _NEEDED if not preset.get(name)]
     if not missing and not preset["optics"].get("f_number"):
         missing = ["optics.f_number"]
@@ -82,18 +136,11 @@ def with_values(preset: Mapping[str, Any], values: Mapping[str, float]) -> dict[
             f"camera={preset.get('name')} has no {missing[0]} to fit: start from one with all "
             "stages, e.g. camera=generic"
         )
-    fitted = copy.deepcopy(dict(preset))
-    optics, sensor = fitted["optics"], fitted["sensor"]
-    pitch_um = float(optics.get("pitch_um", 2.65))
-    rounded = {name: float(f"{value:.5g}") for name, value in values.items()}
-    optics["defocus_um"] = float(f"{4 * optics['f_number'] * pitch_um * values['blur_px']:.5g}")
-    sensor |= {"full_well_e": rounded["white_e"], "gain": 1.0}
-    sensor["read_noise_e"] = float(f"{values['read_noise'] * values['white_e']:.5g}")
-    fitted["colour"]["cast"] = [rounded["cast_red"], 1.0, rounded["cast_blue"]]
-    fitted["exposure_ev"] = rounded["exposure_ev"]
-    for name in ("sharpen_amount", "contrast", "saturation"):
-        fitted["processing"][name] = rounded[name]
-    return fitted
+
+
+def _defocus_um_per_px(optics: Mapping[str, Any]) -> float:
+    """Return the defocus whose disk, by geometry, has a σ of one pixel."""
+    return 4 * float(optics["f_number"]) * float(optics.get("pitch_um", 2.65))
 
 
 def with_jpeg(

@@ -124,17 +124,39 @@ def bend(numbers: torch.Tensor, typical: torch.Tensor) -> torch.Tensor:
 
     Args:
         numbers: ``(B, len(NAMES))``, of :func:`describe`.
-        typical: ``(2, len(NAMES))``: mean and standard deviation over one camera's pictures, the
-            same for all that are to be compared.
+        typical: Mean and standard deviation over one camera's pictures: ``(2, len(NAMES))``, the
+            same for all, or ``(2, B, len(NAMES))``, for each picture its own (:func:`others`).
 
     Returns:
         ``(B, len(BENT_NAMES))``: then the squares of the colours' distances from the mean in
         standard deviations, their hyperbolic tangents, and the product of the first two.
     """
     columns = slice(_FIRST_BENT, _FIRST_BENT + len(_BENT))
-    centre, spread = typical[:, columns]
+    centre, spread = typical[..., columns]
     away = (numbers[:, columns] - centre) / spread.clamp_min(1e-6)
     return torch.cat([numbers, away.square(), away.tanh(), away[:, :1] * away[:, 1:2]], dim=1)
+
+
+def others(numbers: torch.Tensor) -> torch.Tensor:
+    """Return mean and standard deviation of all pictures but the one in question.
+
+    A picture that counts in its own mean is nearer to it than a stranger's can be.
+
+    Args:
+        numbers: ``(B, S)``, B >= 3.
+
+    Returns:
+        ``(2, B, S)``.
+
+    Example:
+        >>> others(torch.tensor([[1.0], [3.0], [5.0]]))[0].flatten().tolist()
+        [4.0, 3.0, 2.0]
+    """
+    count = len(numbers)
+    away = numbers - numbers.mean(0)
+    squares = away.square().sum(0) - away.square() * count / (count - 1)
+    deviation = (squares.clamp_min(0) / (count - 2)).sqrt()
+    return torch.stack([numbers.mean(0) - away / (count - 1), deviation])
 
 
 def crop(images: torch.Tensor, part: float) -> torch.Tensor:

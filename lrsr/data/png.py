@@ -40,7 +40,11 @@ def read_png(path: Path) -> torch.Tensor:
         raise InputError(
             f"cannot read {path}: {error.strerror or error}; check the path and its rights"
         ) from error
-    pixels = cv2.imdecode(content, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH) if len(content) else None
+    flags = cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH
+    try:
+        pixels = cv2.imdecode(content, flags) if len(content) else None
+    except cv2.error as error:  # e.g. of more pixels than OpenCV takes
+        raise InputError(f"cannot read {path}: {error.err}; make it smaller") from error
     if pixels is None or pixels.dtype not in (np.uint8, np.uint16):
         raise InputError(f"{path} is no picture, or a broken one: make it again")
     levels = float(np.iinfo(pixels.dtype).max)

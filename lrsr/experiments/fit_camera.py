@@ -2,7 +2,7 @@
 
 import logging
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,14 +11,12 @@ import torch
 from tqdm import tqdm
 
 from lrsr.camera.camera import Camera
-from lrsr.camera.chroma_estimate import estimate_chroma
+from lrsr.camera.compression_estimate import CompressionEstimate, estimate_compression
 from lrsr.camera.fitting import Fit, expected_trials, fit_camera
-from lrsr.camera.jpeg_estimate import estimate_jpeg
 from lrsr.camera.moments import LEAST_IMAGES
-from lrsr.camera.parameters import NAMES as FITTED
-from lrsr.camera.parameters import with_jpeg, with_values
+from lrsr.camera.parameters import starting_from, with_jpeg, with_values
 from lrsr.camera.statistics import BENT_NAMES as STATISTICS
-from lrsr.camera.statistics import lens_blur_px
+from lrsr.camera.statistics import crop, lens_blur_px
 from lrsr.configuration import number, require, section, whole_number
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
@@ -147,30 +145,42 @@ def fit_to_folder(
         InputError: The pictures cannot be used, or a folder cannot be written.
     """
     real = read_real_pictures(settings.images, LEAST_IMAGES)
-    preset = _stored_like(settings.preset, real)
+    crop(real.srgb, settings.part)  # refuses too small a part
+    guess = starting_from(settings.preset)  # refuses a preset that cannot be fitted
+    stored = _compression(real)
+    preset = _stored_like(settings.preset, stored)
     strangers = _render(settings, real, Strangers.supersampling_of(preset), cache, maker, progress)
     real = real.cropped(strangers.size_px)
-    preset["origin_px"] = [a + b for a, b in zip(preset["origin_px"], real.origin_px, strict=True)]
-    with_values(preset, dict.fromkeys(FITTED, 1.0))  # refuses a preset that lacks a stage
+    left, top = real.origin_px
+    origins_px = [(x + left, y + top) for x, y in stored.origins_px] if stored else [(0, 0)]
+    preset["origin_px"] = list(origins_px[0] if len(origins_px) == 1 else (0, 0))
     expected = expected_trials(rounds=settings.rounds)
     with tqdm(total=expected, desc="fitting", unit="trial", disable=not progress) as bar:
 
         def shoot(values: Mapping[str, float], draw: int) -> torch.Tensor:
-            pictures = strangers.trial(with_values(preset, values), draw)
+            pictures = strangers.trial(with_values(preset, values), draw, origins_px)
             bar.update()
             return pictures
 
-        fit = fit_camera(real.srgb, shoot, part=settings.part, rounds=settings.rounds)
+        fit = fit_camera(
+            real.srgb, shoot, parameters=guess, part=settings.part, rounds=settings.rounds
+        )
     fitted = {**with_values(preset, fit.plain), "name": settings.name}
     blur_px = lens_blur_px(_camera(fitted))
     write_text(folder / f"{settings.name}.yaml", preset_text(fitted, fit, real, blur_px))
-    write_json(folder / "results.json", _results(fit, real, blur_px, fitted))
+    results = _results(fit, real, blur_px, fitted) | {"origins_px": origins_px}
+    write_json(folder / "results.json", results)
     pictures = {
         "Real": real.srgb,
-        "Before": strangers.photographed(_camera(dict(settings.preset))),
+        "Before": strangers.photographed(
+            _camera(with_values(preset, {one.name: one.start for one in guess}))
+        ),
         "After": strangers.photographed(_camera(fitted)),
     }
-    write_fit_report(folder, settings.name, fit, real, fitted, blur_px, pictures, settings.seed)
+    grids = len({(x % 8, y % 8) for x, y in origins_px})
+    write_fit_report(
+        folder, settings.name, fit, real, fitted, blur_px, grids, pictures, settings.seed
+    )
     logger.info("camera=%s", folder / f"{settings.name}.yaml")
     return folder
 
@@ -212,11 +222,22 @@ class Strangers:
             pictures: torch.Tensor = camera(self.linear, self.metered, seeds)
         return pictures
 
-    def trial(self, preset: Mapping[str, Any], draw: int = 0) -> torch.Tensor:
+    def trial(
+        self,
+        preset: Mapping[str, Any],
+        draw: int = 0,
+        origins_px: Sequence[tuple[int, int]] = (),
+    ) -> torch.Tensor:
         """Photograph with a preset, so that a small change of it changes the pictures little.
 
         Shot noise is that of the differentiable sensor: the same normal numbers in every trial,
         where Poisson's would be drawn anew. The file is the true codec's.
+
+        Args:
+            preset: Plain mapping as in ``conf/camera``.
+            draw: Of the noise, see :meth:`photographed`.
+            origins_px: Places of the pictures in their frames, which the strangers have in turn;
+                the preset's own if empty.
         """
         from hydra.utils import instantiate
 
@@ -225,7 +246,11 @@ class Strangers:
         pictures = self.photographed(camera, draw)
         if stored is None:
             return pictures
-        kept: torch.Tensor = stored(pictures[None], origin_px=tuple(preset["origin_px"]))
+        places = list(origins_px) or [tuple(preset["origin_px"])]
+        kept = torch.empty_like(pictures)
+        for place in dict.fromkeys(places):
+            here = [k for k in range(len(pictures)) if places[k % len(places)] == place]
+            kept[here] = stored(pictures[None, here], origin_px=place)
         return kept
 
     def cropped(self, size_px: tuple[int, int]) -> "Strangers":
@@ -253,15 +278,17 @@ def preset_text(fitted: Mapping[str, Any], fit: Fit, real: RealPictures, blur_px
     return "\n".join([*lines, OmegaConf.to_yaml(OmegaConf.create(dict(fitted)))])
 
 
-def _stored_like(preset: Mapping[str, Any], real: RealPictures) -> dict[str, Any]:
-    """Return the preset with the compression that the files, else the pixels, show."""
+def _compression(real: RealPictures) -> CompressionEstimate | None:
+    """Return the compression that the files, else the pixels, show."""
     if real.jpeg is not None:
-        return with_jpeg(preset, real.jpeg[0], real.jpeg[1], (0, 0))
-    found = estimate_jpeg(real.srgb)
-    if found is None:
+        return CompressionEstimate(*real.jpeg, ((0, 0),))
+    return estimate_compression(real.srgb)
+
+
+def _stored_like(preset: Mapping[str, Any], stored: CompressionEstimate | None) -> dict[str, Any]:
+    if stored is None:
         return with_jpeg(preset, None, "4:2:0", (0, 0))
-    chroma, origin_px = estimate_chroma(real.srgb, found.quality, found.origin_px)
-    return with_jpeg(preset, found.quality, chroma, origin_px)
+    return with_jpeg(preset, stored.quality, stored.chroma, stored.origins_px[0])
 
 
 def _render(
@@ -322,7 +349,7 @@ def _results(
         "size_px": list(real.size_px),
         "values": {name: asdict(value) for name, value in fit.values.items()},
         "blur_px": blur_px,
-        "read_noise_e": fitted["sensor"]["read_noise_e"],
+        "read_noise_e": asdict(fit.product("read_noise", "white_e")),
         "jpeg": fitted["stored"],
         "origin_px": fitted["origin_px"],
         "misfit": {"before": fit.misfit_before, "after": fit.misfit_after},

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lrsr.camera.fitting import Fit
-from lrsr.camera.parameters import PARAMETERS
 from lrsr.camera.statistics import BENT_NAMES, RANGES, RINGS
 from lrsr.experiments.figures import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes
 from lrsr.experiments.real_pictures import RealPictures
@@ -51,6 +50,7 @@ def write_fit_report(
     real: RealPictures,
     preset: Mapping[str, Any],
     blur_px: float,
+    grids: int,
     pictures: Mapping[str, torch.Tensor],
     seed: int,
 ) -> Path:
@@ -63,6 +63,7 @@ def write_fit_report(
         real: The pictures.
         preset: Plain mapping of the fitted camera.
         blur_px: Of its lens, σ of a Gaussian.
+        grids: How many grids of blocks the pictures have; 1 if it is the preset's.
         pictures: Real, before, after: ``(n, 3, H, W)`` each.
         seed: Of the noise.
 
@@ -77,7 +78,7 @@ def write_fit_report(
     made_by = versions()
     page = template("fit_camera.html.j2").render(
         title=f"Camera {name}",
-        answer=answer(fit, real, preset, blur_px),
+        answer=answer(fit, real, preset, blur_px, grids),
         figure=data_uri(figure),
         columns=[
             {"label": label, "faces": [encode_face(face) for face in column[:SHOWN].numpy()]}
@@ -92,8 +93,7 @@ def write_fit_report(
                 "error": f"{fit.values[parameter.name].error:.2g}",
                 "known": fit.values[parameter.name].known,
             }
-            for parameter in PARAMETERS
-            if parameter.name in fit.values
+            for parameter in fit.parameters
         ],
         statistics=[
             {"name": column, "values": [f"{value:.3f}" for value in row]}
@@ -113,21 +113,25 @@ def write_fit_report(
     return folder / FILE
 
 
-def answer(fit: Fit, real: RealPictures, preset: Mapping[str, Any], blur_px: float) -> list[str]:
+def answer(
+    fit: Fit, real: RealPictures, preset: Mapping[str, Any], blur_px: float, grids: int = 1
+) -> list[str]:
     """Return what was found, in sentences."""
     values, stored = fit.plain, preset["stored"]
-    read_e = preset["sensor"]["read_noise_e"]
+    electrons = fit.product("read_noise", "white_e")
     kept = "No JPEG blocks were found."
     if stored is not None:
         x, y = preset["origin_px"]
         source = "say the files" if real.jpeg is not None else "from the pixels"
-        kept = f"JPEG quality {stored['qualities']}, grid from ({-x % 8}, {-y % 8}) on, {source}."
+        place = f"grid from ({-x % 8}, {-y % 8}) on" if grids == 1 else f"{grids} grids of blocks"
+        quality, chroma = stored["qualities"], stored["chroma"]
+        kept = f"JPEG quality {quality}, colours {chroma}, {place}, {source}."
     unknown = [name for name, fitted in fit.values.items() if not fitted.known]
     sentences = [
         f"{len(real.srgb)} pictures of {real.size_px[1]} × {real.size_px[0]} px: the lens blurs as "
         f"a Gaussian of {blur_px:.2f} px; sharpening {values['sharpen_amount']:.2f}.",
-        f"Read noise is {100 * values['read_noise']:.2g} % of white ({read_e:.3g} of "
-        f"{values['white_e']:.0f} electrons).",
+        f"Read noise is {100 * values['read_noise']:.2g} % of white ({electrons.value:.3g} ± "
+        f"{electrons.error:.2g} of {values['white_e']:.0f} electrons).",
         f"Gains over green: red {values['cast_red']:.3f}, blue {values['cast_blue']:.3f}; contrast "
         f"{values['contrast']:.2f}, saturation {values['saturation']:.2f}.",
         kept,

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import torch
 
-from lrsr.camera.jpeg_tables import read_jpeg_settings
+from lrsr.camera.jpeg_tables import BLOCK_PX, read_jpeg_settings
 from lrsr.data.png import read_png
 from lrsr.errors import InputError
 
+LEAST_PX, MOST_PX = 2 * BLOCK_PX, 256
+"""Of a side: fewer hold no whole block, more are no small faces (200 films of them fill memory)."""
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
 
 
@@ -50,7 +52,8 @@ def read_real_pictures(folder: Path, least: int) -> RealPictures:
         least: How many there must be.
 
     Raises:
-        InputError: No such folder, no or too few pictures in it, a broken one, or several sizes.
+        InputError: No such folder, no or too few pictures in it, a broken one, several sizes, sides
+            of less than 16 or more than 256 px, or pictures without colour.
     """
     if not folder.is_dir():
         raise InputError(f"images={folder} is no folder: give one that holds pictures")
@@ -66,12 +69,23 @@ def read_real_pictures(folder: Path, least: int) -> RealPictures:
         )
     pictures = {file: read_png(file) for file in files}
     _check_sizes(pictures)
+    if all(bool((picture == picture[:1]).all()) for picture in pictures.values()):
+        raise InputError(
+            f"images={folder} holds grey pictures only: noise and gains of the colours are part of "
+            "what is fitted; give pictures that were taken in colour"
+        )
     return RealPictures(torch.stack(list(pictures.values())), _jpeg_of(files))
 
 
 def _check_sizes(pictures: dict[Path, torch.Tensor]) -> None:
     sizes = Counter(tuple(picture.shape[1:]) for picture in pictures.values())
     if len(sizes) == 1:
+        height, width = next(iter(sizes))
+        if not LEAST_PX <= min(height, width) <= max(height, width) <= MOST_PX:
+            raise InputError(
+                f"{next(iter(pictures))} has {width} x {height} px: sides of {LEAST_PX} to "
+                f"{MOST_PX} px are fitted; cut out the faces (do not rescale them)"
+            )
         return
     usual = sizes.most_common(1)[0][0]
     odd = next(file for file, picture in pictures.items() if tuple(picture.shape[1:]) != usual)

@@ -1,6 +1,7 @@
 """Checked against what OpenCV and Pillow write."""
 
 import io
+import struct
 from itertools import pairwise
 
 import cv2
@@ -68,3 +69,52 @@ def test_steps_fall_as_quality_rises() -> None:
 
 def test_a_foreign_table_has_a_nearest_quality() -> None:
     assert abs(nearest_quality(1.1 * luminance_table(50)) - 50) <= 5
+
+
+def exif(order: str, orientation: int) -> bytes:
+    """An APP1 segment that says how a picture is to be turned."""
+    tiff = (b"II*\0" if order == "<" else b"MM\0*") + struct.pack(f"{order}I", 8)
+    tiff += struct.pack(f"{order}HHHIHH", 1, 0x0112, 3, 1, orientation, 0)
+    return b"\xff\xe1" + struct.pack(">H", 8 + len(tiff)) + b"Exif\0\0" + tiff
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_a_file_that_is_to_be_turned_has_its_blocks_elsewhere(order: str) -> None:
+    file = encoded(80)
+    upright, turned = (file[:2] + exif(order, k) + file[2:] for k in (1, 6))
+    assert read_jpeg_settings(upright) == (80, "4:2:0")
+    assert read_jpeg_settings(turned) is None
+    assert read_jpeg_settings(file[:2] + b"\xff\xe1\0\x0aExif\0\0MM" + file[2:]) == (80, "4:2:0")
+
+
+def test_filling_bytes_before_a_marker_are_passed_over() -> None:
+    file = encoded(80)
+    assert read_jpeg_settings(file[:2] + b"\xff\xff" + file[2:]) == (80, "4:2:0")
+
+
+def test_luminance_names_its_own_table() -> None:
+    file = bytearray(encoded(90))
+    start = (
+        file.index(b"\xff\xc0") + 4
+    )  # the frame: precision, sides, three of (name, factors, table)
+    chroma = nearest_quality(chrominance_table(90))
+    assert file[start + 8] == 0
+    file[start + 8] = 1
+    assert read_jpeg_settings(bytes(file)) == (chroma, "4:2:0")
+
+
+@pytest.mark.parametrize(
+    ("factors", "chroma"),
+    [
+        ((0x22, 0x22, 0x22), "4:4:4"),
+        ((0x22, 0x12, 0x12), "4:2:2"),
+        ((0x22, 0x21, 0x21), None),  # 4:4:0
+        ((0x22, 0x11, 0x22), None),
+        ((0x22, 0x01, 0x11), None),
+    ],
+)
+def test_sub_sampling_is_a_ratio(factors: tuple[int, ...], chroma: str | None) -> None:
+    file = bytearray(encoded(90))
+    start = file.index(b"\xff\xc0") + 4
+    file[start + 7 : start + 15 : 3] = bytes(factors)
+    assert read_jpeg_settings(bytes(file)) == (None if chroma is None else (90, chroma))

@@ -6,7 +6,13 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
 from lrsr.camera.camera import Camera
-from lrsr.camera.parameters import PARAMETERS, Parameter, with_jpeg, with_values
+from lrsr.camera.parameters import (
+    PARAMETERS,
+    Parameter,
+    starting_from,
+    with_jpeg,
+    with_values,
+)
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
 
@@ -48,6 +54,31 @@ def test_defocus_is_the_disk_of_that_sigma() -> None:
     optics = with_values(preset(), VALUES)["optics"]
     radius_um = optics["defocus_um"] / (2 * optics["f_number"])
     assert radius_um / 2 / optics["pitch_um"] == pytest.approx(1.0)  # σ of a disk: half its radius
+
+
+def test_the_guess_is_what_the_preset_says() -> None:
+    starts = {one.name: one.start for one in starting_from(with_values(preset(), VALUES))}
+    assert starts == pytest.approx(VALUES, rel=1e-4)
+
+
+def test_of_a_gain_and_a_full_well_the_electrons_at_white_are_guessed() -> None:
+    starts = {one.name: one.start for one in starting_from(preset("scface_cam1"))}
+    assert (starts["white_e"], starts["read_noise"]) == (2500, 0.008)
+    assert starts["cast_blue"] == 0.75
+
+
+def test_what_a_preset_leaves_out_is_guessed_as_the_stages_have_it() -> None:
+    bare = {"optics": {"f_number": 2.0}, "colour": {"a": 1}, "sensor": {"a": 1}}
+    parameters = starting_from(bare | {"processing": {"a": 1}})
+    starts = {one.name: one.start for one in parameters}
+    assert starts["blur_px"] == PARAMETERS[0].low  # no defocus is below the range
+    assert (starts["white_e"], starts["read_noise"]) == (10_000, 3 / 10_000)
+    assert (starts["contrast"], starts["saturation"], starts["sharpen_amount"]) == (1, 1, 0)
+
+
+def test_measured_filters_are_refused() -> None:
+    with pytest.raises(InputError, match="nikon_d5100 has measured colour filters"):
+        starting_from(preset("nikon_d5100"))
 
 
 def test_the_given_preset_is_left_as_it_is() -> None:

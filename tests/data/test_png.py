@@ -2,6 +2,8 @@
 
 import errno
 import os
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -70,3 +72,14 @@ def test_a_full_disk_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     with pytest.raises(InputError, match=r"cannot write .*a\.png: No space left on device"):
         write_png(tmp_path / "a.png", picture(255))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_more_pixels_than_can_be_read_are_one_line(tmp_path: Path) -> None:
+    header = struct.pack(">IIBBBBB", 40_000, 40_000, 8, 2, 0, 0, 0)
+    file = b"\x89PNG\r\n\x1a\n"
+    for kind, content in ((b"IHDR", header), (b"IDAT", zlib.compress(b"")), (b"IEND", b"")):
+        check = zlib.crc32(kind + content)
+        file += struct.pack(">I", len(content)) + kind + content + struct.pack(">I", check)
+    (tmp_path / "huge.png").write_bytes(file)
+    with pytest.raises(InputError, match=r"cannot read .*huge\.png: .*; make it smaller"):
+        read_png(tmp_path / "huge.png")

@@ -13,10 +13,11 @@ from fakes.painted import PaintedMaker
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
+from lrsr.camera.codec import jpeg
 from lrsr.camera.parameters import with_jpeg, with_values
 from lrsr.camera.statistics import lens_blur_px
 from lrsr.data.png import write_png
-from lrsr.errors import InputError
+from lrsr.errors import ImageContractError, InputError
 from lrsr.experiments.fit_camera import FitSettings, Strangers, fit_to_folder
 from lrsr.experiments.fit_report import NOT_DONE
 from lrsr.experiments.settings import IdentityRange, RenderingSettings
@@ -57,7 +58,7 @@ def settings(images: Path, **changes: Any) -> FitSettings:
             images=images,
             preset=plain(config_folder() / "camera" / "generic.yaml"),
             name="lobby",
-            identities=IdentityRange(split="train", count=20),
+            identities=IdentityRange(split="train", count=40),
             rendering=RenderingSettings(samples_per_pixel=4, texture_size=8),
             part=1.0,
             rounds=2,
@@ -75,7 +76,7 @@ def hidden() -> Mapping[str, Any]:
 @pytest.fixture(scope="module")
 def images(tmp_path_factory: pytest.TempPathFactory, hidden: Mapping[str, Any]) -> Path:
     folder = tmp_path_factory.mktemp("real")
-    for k, picture in enumerate(films(range(20)).photographed(instantiate(hidden))):
+    for k, picture in enumerate(films(range(30)).photographed(instantiate(hidden))):
         write_png(folder / f"{k:02d}.png", picture)
     return folder
 
@@ -105,31 +106,53 @@ def test_the_preset_is_a_camera_like_the_hidden_one(
 
 def test_the_results_say_what_is_known_and_how_well(folder: Path) -> None:
     results = json.loads((folder / "results.json").read_text())
-    assert results["pictures"] == 20
+    assert results["pictures"] == 30
     assert results["misfit"]["after"] < 0.3 * results["misfit"]["before"]
     assert set(results["values"]) == set(HIDDEN)
     assert results["values"]["blur_px"]["known"]
+    electrons, values = results["read_noise_e"], results["values"]
+    assert electrons["value"] == pytest.approx(
+        values["read_noise"]["value"] * values["white_e"]["value"]
+    )
+    assert electrons["low"] < electrons["value"] < electrons["high"]
     assert results["preset"] == plain(folder / "lobby.yaml")
 
 
 def test_the_report_says_what_was_found_and_what_cannot_be(folder: Path) -> None:
     page = html.unescape((folder / "report.html").read_text())
-    assert "JPEG quality 80, grid from (5, 3) on, from the pixels." in page
+    assert "JPEG quality 80, colours 4:2:0, grid from (5, 3) on, from the pixels." in page
     assert all(sentence in page for sentence in NOT_DONE)
     assert page.count("<img") == 3 * 8 + 1
     assert (folder / "statistics.png").stat().st_size > 1000
 
 
-def test_a_preset_without_a_lens_is_refused_before_anything_is_fitted(
-    images: Path, tmp_path: Path
+class NoMaker(PaintedMaker):
+    """Is never asked for anything."""
+
+    def render(self, *_: Any) -> Any:
+        raise AssertionError("something was rendered")
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"preset": "reference"}, "reference has no optics"),
+        ({"preset": "nikon_d5100"}, "nikon_d5100 has measured colour filters"),
+        ({"part": 0.3}, "their middle 0.3 is under 12 px"),
+    ],
+    ids=["no lens", "measured filters", "part"],
+)
+def test_what_cannot_be_fitted_is_refused_before_anything_is_rendered(
+    changes: dict[str, Any], says: str, images: Path, tmp_path: Path
 ) -> None:
-    flawless = plain(config_folder() / "camera" / "reference.yaml")
-    with pytest.raises(InputError, match="reference has no optics"):
+    if "preset" in changes:
+        changes = {"preset": plain(config_folder() / "camera" / f"{changes['preset']}.yaml")}
+    with pytest.raises((InputError, ImageContractError), match=says):
         fit_to_folder(
-            settings(images, preset=flawless),
+            settings(images, **changes),
             tmp_path,
             cache=tmp_path / "cache",
-            maker=PaintedMaker(),
+            maker=NoMaker(),
             progress=False,
         )
 
@@ -157,3 +180,13 @@ def test_a_small_change_of_a_trial_changes_the_pictures_little() -> None:
     again = people.trial(with_values(preset, HIDDEN | {"exposure_ev": 0.001}))
     other = Strangers(people.linear, people.metered, 2, seed=7).trial(with_values(preset, HIDDEN))
     assert (once - again).abs().mean() < 0.05 * (once - other).abs().mean()
+
+
+def test_strangers_files_are_cut_where_the_pictures_are_in_turn() -> None:
+    people, generic = films(range(3)), plain(config_folder() / "camera" / "generic.yaml")
+    preset = with_jpeg(with_values(generic, HIDDEN), 30, "4:2:0", (0, 0))
+    before = people.trial({**preset, "stored": None})
+    first, second = (jpeg(before, 30, origin_px=place) for place in ((0, 0), (3, 5)))
+    both = people.trial(preset, origins_px=[(0, 0), (3, 5)])
+    assert torch.equal(both, torch.stack([first[0], second[1], first[2]]))
+    assert not torch.equal(first[1], second[1])

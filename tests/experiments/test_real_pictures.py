@@ -83,3 +83,24 @@ def test_a_file_that_only_says_it_is_a_picture_is_refused(folder: Path) -> None:
     (folder / "fake.jpg").write_text("not a picture")
     with pytest.raises(InputError, match=r"fake\.jpg is no picture"):
         read_real_pictures(folder, 3)
+
+
+@pytest.mark.parametrize(("height", "width"), [(15, 30), (20, 257)])
+def test_too_small_and_too_large_pictures_are_refused_by_name(
+    height: int, width: int, tmp_path: Path
+) -> None:
+    write_png(tmp_path / "face.png", noise(1, height, width))
+    with pytest.raises(
+        InputError, match=rf"face\.png has {width} x {height} px: sides of 16 to 256"
+    ):
+        read_real_pictures(tmp_path, 1)
+
+
+def test_grey_pictures_are_refused_but_single_ones_among_others_are_not(folder: Path) -> None:
+    grey = noise(7)[:1].expand(3, -1, -1)
+    write_png(folder / "3.png", grey)
+    assert len(read_real_pictures(folder, 4).srgb) == 4
+    for k in range(3):
+        write_png(folder / f"{k}.png", grey)
+    with pytest.raises(InputError, match="holds grey pictures only"):
+        read_real_pictures(folder, 4)
