@@ -132,6 +132,7 @@ class Moments:
         """Return that ``(P, P)`` of the estimated coordinates, in squares of the doubts."""
         first, second = slopes
         guess = np.eye(first.shape[1])
+        # Halves disagree on slopes that are noise; a negative curvature would make errors endless.
         curvature, axes = np.linalg.eigh((first.T @ second + second.T @ first) / 2)
         bread = np.linalg.inv(axes * curvature.clip(0) @ axes.T + guess)
         both = (first + second) / 2

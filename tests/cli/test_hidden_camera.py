@@ -58,7 +58,7 @@ def test_a_hidden_camera_is_recovered_from_50_pictures(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("LRSR_CACHE", str(tmp_path / "cache"))
-    words = [f"camera.{name}={value}" for name, value in hidden.items()]
+    words = [f"++camera.{name}={value}" for name, value in hidden.items()]
     shown = ["render", "identities.count=50", f"camera={family}", f"ipd_px={ipd_px}", *words]
     assert main([*shown, "out=pictures"]) == 0
     assert main(["fit-camera", "images=pictures", f"camera={family}", "name=found"]) == 0
