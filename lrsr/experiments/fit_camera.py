@@ -212,14 +212,20 @@ class Strangers:
         height, width = self.linear.shape[-2:]
         return height // self.supersampling, width // self.supersampling
 
-    def photographed(self, camera: Camera, draw: int = 0) -> torch.Tensor:
+    def photographed(
+        self, camera: Camera, draw: int = 0, who: Sequence[int] | None = None
+    ) -> torch.Tensor:
         """Return the pictures ``(k, 3, H, W)`` that a camera takes of them.
 
-        ``draw``: number of the draw of the noise, >= 0; another one has other noise everywhere.
+        Args:
+            camera: Takes them.
+            draw: Number of the draw of the noise, >= 0; another one has other noise everywhere.
+            who: Numbers of those who are photographed; everybody if None.
         """
-        seeds = [self.seed + k + draw * DRAW_SEEDS for k in range(len(self.linear))]
+        people = list(range(len(self.linear)) if who is None else who)
+        seeds = [self.seed + k + draw * DRAW_SEEDS for k in people]
         with torch.no_grad():
-            pictures: torch.Tensor = camera(self.linear, self.metered, seeds)
+            pictures: torch.Tensor = camera(self.linear[people], self.metered[people], seeds)
         return pictures
 
     def trial(
@@ -242,16 +248,20 @@ class Strangers:
         from hydra.utils import instantiate
 
         stored = instantiate(preset.get("stored"))
-        camera = _camera({**preset, "stored": None, "codec": "differentiable"})
-        pictures = self.photographed(camera, draw)
-        if stored is None:
-            return pictures
-        places = list(origins_px) or [tuple(preset["origin_px"])]
-        kept = torch.empty_like(pictures)
-        for place in dict.fromkeys(places):
-            here = [k for k in range(len(pictures)) if places[k % len(places)] == place]
-            kept[here] = stored(pictures[None, here], origin_px=place)
-        return kept
+        people = range(len(self.linear))
+        turns = list(origins_px) or [tuple(preset["origin_px"])]
+        places = [turns[k % len(turns)] for k in people]
+        phases = [(x % 2, y % 2) for x, y in places]  # a mosaic repeats after two pixels
+        pictures = self.linear.new_empty(len(people), 3, *self.size_px)
+        for phase in dict.fromkeys(phases):
+            who = [k for k in people if phases[k] == phase]
+            there = {"origin_px": places[who[0]], "stored": None, "codec": "differentiable"}
+            pictures[who] = self.photographed(_camera({**preset, **there}), draw, who)
+        if stored is not None:
+            for place in dict.fromkeys(places):
+                who = [k for k in people if places[k] == place]
+                pictures[who] = stored(pictures[None, who], origin_px=place)
+        return pictures
 
     def cropped(self, size_px: tuple[int, int]) -> "Strangers":
         """Return the middle of that (height, width), or less where there is not as much."""

@@ -54,6 +54,7 @@ def test_chance_falls_with_the_number_of_people(moments: Moments) -> None:
     assert moments.spread[BRIGHTNESS] == pytest.approx(expected, rel=0.3)
 
 
+@pytest.mark.usefixtures("one_thread")
 @pytest.mark.parametrize(("pictures", "others"), [(20, 20), (50, 60)])
 def test_errors_and_misfit_are_those_of_repeated_estimates(pictures: int, others: int) -> None:
     # 0.96 and 0.93 standard errors, misfits of 0.88 and 0.85; of the people whom the weights were

@@ -182,11 +182,18 @@ def test_a_small_change_of_a_trial_changes_the_pictures_little() -> None:
     assert (once - again).abs().mean() < 0.05 * (once - other).abs().mean()
 
 
-def test_strangers_files_are_cut_where_the_pictures_are_in_turn() -> None:
+def test_strangers_take_the_places_of_the_pictures_in_turn() -> None:
     people, generic = films(range(3)), plain(config_folder() / "camera" / "generic.yaml")
-    preset = with_jpeg(with_values(generic, HIDDEN), 30, "4:2:0", (0, 0))
-    before = people.trial({**preset, "stored": None})
-    first, second = (jpeg(before, 30, origin_px=place) for place in ((0, 0), (3, 5)))
-    both = people.trial(preset, origins_px=[(0, 0), (3, 5)])
+    presets = [with_jpeg(with_values(generic, HIDDEN), 30, "4:2:0", at) for at in ((0, 0), (3, 5))]
+    first, second = (people.trial(preset) for preset in presets)
+    both = people.trial(presets[0], origins_px=[(0, 0), (3, 5)])
     assert torch.equal(both, torch.stack([first[0], second[1], first[2]]))
     assert not torch.equal(first[1], second[1])
+
+
+def test_the_file_follows_the_place_and_not_only_the_mosaic() -> None:
+    people, generic = films(range(2)), plain(config_folder() / "camera" / "generic.yaml")
+    preset = with_jpeg(with_values(generic, HIDDEN), 30, "4:2:0", (0, 0))
+    before = people.trial({**preset, "stored": None})
+    both = people.trial(preset, origins_px=[(0, 0), (4, 6)])
+    assert torch.equal(both[1], jpeg(before[1:], 30, origin_px=(4, 6))[0])
