@@ -14,8 +14,8 @@ import torch
 
 from lrsr.camera.codec import jpeg
 from lrsr.camera.contract import check_light
+from lrsr.camera.jpeg_tables import BLOCK_PX
 
-BLOCK_PX = 8
 MARGIN_PX = 4
 """At the border, where blocks are cut off, a picture never comes back."""
 ROUNDED = 0.6

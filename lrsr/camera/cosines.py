@@ -16,7 +16,8 @@ import numpy as np
 import torch
 from torch.nn import functional as F
 
-BLOCK_PX = 8
+from lrsr.camera.jpeg_tables import BLOCK_PX
+
 MOVED_PX = 2
 HALVES = ("dark_quiet", "dark_busy", "bright_quiet", "bright_busy")
 """Which blocks: darker or brighter than the middle one, with less or more in the band than it."""

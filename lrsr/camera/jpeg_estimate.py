@@ -19,6 +19,7 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.camera.contract import check_light
+from lrsr.camera.cosines import cosine_transform
 from lrsr.camera.jpeg_tables import BLOCK_PX, luminance_table
 from lrsr.camera.processing import luminance
 from lrsr.errors import ImageContractError
@@ -133,8 +134,7 @@ def _log_ratios(seen: Floats, steps: Floats) -> Floats:
     return np.asarray(ratios.sum(axis=1))
 
 
-_ANGLES = (2 * np.arange(8) + 1)[None] * np.arange(8)[:, None] * math.pi / 16
-_DCT: Floats = np.cos(_ANGLES) * np.where(np.arange(8)[:, None] == 0, math.sqrt(1 / 8), 0.5)
+_DCT: Floats = cosine_transform().numpy()
 _STEPS = np.stack([luminance_table(quality) for quality in range(1, 101)])
 # Of each frequency, the steps that occur (fewer than there are qualities) and each quality's.
 _DISTINCT = [

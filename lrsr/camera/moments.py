@@ -14,7 +14,7 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.camera.parameters import Parameter
-from lrsr.camera.statistics import NAMES, bend, describe, others
+from lrsr.camera.statistics import NAMES, bend, describe, leave_one_out
 from lrsr.errors import InputError
 
 LEAST_IMAGES = 20
@@ -59,7 +59,7 @@ class Moments:
         _enough(srgb, "pictures to fit")
         plain = describe(srgb, part)
         self._typical = torch.stack([plain.mean(0), plain.std(0)])
-        self._real = np.asarray(bend(plain, others(plain)))
+        self._real = np.asarray(bend(plain, leave_one_out(plain)))
         self.measured: Floats = self._real.mean(0)
         bounds = [(p.coordinate(p.low), p.coordinate(p.high)) for p in parameters]
         self.ranges: tuple[Floats, Floats] = tuple(

@@ -8,13 +8,13 @@ sec. 3; also in C. Reich et al. 2024, arXiv:2309.06978), and levels in between a
 """
 
 import math
-from functools import lru_cache
 
 import torch
 from kornia.color import rgb_to_ycbcr, ycbcr_to_rgb
 from torch.nn import functional as F
 
 from lrsr.camera.contract import check_light, check_setting
+from lrsr.camera.cosines import cosine_transform
 from lrsr.camera.jpeg_tables import BLOCK_PX, chrominance_table, luminance_table
 
 SHARING = {"4:4:4": (1, 1), "4:2:2": (1, 2), "4:2:0": (2, 2)}
@@ -74,7 +74,7 @@ def through_blocks(plane: torch.Tensor, table: torch.Tensor) -> torch.Tensor:
     Returns:
         ``(B, C, H, W)``, clipped to [-128, 127].
     """
-    cosines, steps = _cosines().to(plane), table.to(plane)
+    cosines, steps = cosine_transform().to(plane), table.to(plane)
     batch, channels, height, width = plane.shape
     down, across = height // BLOCK_PX, width // BLOCK_PX
     blocks = plane.reshape(batch, channels, down, BLOCK_PX, across, BLOCK_PX).transpose(-3, -2)
@@ -92,12 +92,3 @@ def soft_round(numbers: torch.Tensor) -> torch.Tensor:
     """
     whole = numbers.detach().round()
     return whole + (numbers - whole) ** 3
-
-
-@lru_cache(maxsize=1)
-def _cosines() -> torch.Tensor:
-    """Return the orthonormal cosine transform ``(8, 8)``: rows are frequencies; float64."""
-    places = (2 * torch.arange(BLOCK_PX, dtype=torch.float64) + 1) * math.pi / (2 * BLOCK_PX)
-    waves = torch.cos(torch.arange(BLOCK_PX)[:, None] * places) / 2
-    waves[0] /= math.sqrt(2)
-    return waves

@@ -125,7 +125,7 @@ def bend(numbers: torch.Tensor, typical: torch.Tensor) -> torch.Tensor:
     Args:
         numbers: ``(B, len(NAMES))``, of :func:`describe`.
         typical: Mean and standard deviation over one camera's pictures: ``(2, len(NAMES))``, the
-            same for all, or ``(2, B, len(NAMES))``, for each picture its own (:func:`others`).
+            same for all, or each picture's own, ``(2, B, len(NAMES))`` (:func:`leave_one_out`).
 
     Returns:
         ``(B, len(BENT_NAMES))``: then the squares of the colours' distances from the mean in
@@ -137,7 +137,7 @@ def bend(numbers: torch.Tensor, typical: torch.Tensor) -> torch.Tensor:
     return torch.cat([numbers, away.square(), away.tanh(), away[:, :1] * away[:, 1:2]], dim=1)
 
 
-def others(numbers: torch.Tensor) -> torch.Tensor:
+def leave_one_out(numbers: torch.Tensor) -> torch.Tensor:
     """Return mean and standard deviation of all pictures but the one in question.
 
     A picture that counts in its own mean is nearer to it than a stranger's can be.
@@ -149,7 +149,7 @@ def others(numbers: torch.Tensor) -> torch.Tensor:
         ``(2, B, S)``.
 
     Example:
-        >>> others(torch.tensor([[1.0], [3.0], [5.0]]))[0].flatten().tolist()
+        >>> leave_one_out(torch.tensor([[1.0], [3.0], [5.0]]))[0].flatten().tolist()
         [4.0, 3.0, 2.0]
     """
     count = len(numbers)

@@ -2,7 +2,7 @@
 
 import logging
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,10 +22,10 @@ from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.probes import filmed, load_radiances, render_missing
 from lrsr.data.recipe import ProbeRecipe
-from lrsr.errors import InputError
 from lrsr.experiments.fit_report import write_fit_report
 from lrsr.experiments.real_pictures import RealPictures, read_real_pictures
 from lrsr.experiments.settings import IdentityRange, RenderingSettings
+from lrsr.experiments.strangers import Strangers, camera_of
 from lrsr.files import write_json, write_text
 from lrsr.rendering.geometry import FRAME_IPDS
 from lrsr.rendering.radiance import Radiance
@@ -39,9 +39,6 @@ if TYPE_CHECKING:
     from lrsr.rendering.standpoint import Standpoint
 
 logger = logging.getLogger(__name__)
-
-DRAW_SEEDS = 1_000_003
-"""From the seeds of one draw of the noise to those of the next: more than there are people."""
 
 
 @dataclass(frozen=True)
@@ -166,16 +163,16 @@ def fit_to_folder(
             real.srgb, shoot, parameters=guess, part=settings.part, rounds=settings.rounds
         )
     fitted = {**with_values(preset, fit.plain), "name": settings.name}
-    blur_px = lens_blur_px(_camera(fitted))
+    blur_px = lens_blur_px(camera_of(fitted))
     write_text(folder / f"{settings.name}.yaml", preset_text(fitted, fit, real, blur_px))
     results = _results(fit, real, blur_px, fitted) | {"origins_px": origins_px}
     write_json(folder / "results.json", results)
     pictures = {
         "Real": real.srgb,
         "Before": strangers.photographed(
-            _camera(with_values(preset, {one.name: one.start for one in guess}))
+            camera_of(with_values(preset, {one.name: one.start for one in guess}))
         ),
-        "After": strangers.photographed(_camera(fitted)),
+        "After": strangers.photographed(camera_of(fitted)),
     }
     grids = len({(x % 8, y % 8) for x, y in origins_px})
     write_fit_report(
@@ -183,94 +180,6 @@ def fit_to_folder(
     )
     logger.info("camera=%s", folder / f"{settings.name}.yaml")
     return folder
-
-
-@dataclass(frozen=True)
-class Strangers:
-    """Rendered people on their films, ready to be photographed again and again.
-
-    Attributes:
-        linear: ``(k, 3, S H, S W)``, scene-referred light.
-        metered: ``(k,)``.
-        supersampling: S.
-        seed: Of the noise.
-    """
-
-    linear: torch.Tensor
-    metered: torch.Tensor
-    supersampling: int
-    seed: int
-
-    @staticmethod
-    def supersampling_of(preset: Mapping[str, Any]) -> int:
-        """Return how much finer than the picture a preset wants its film."""
-        return int(preset.get("supersampling", 1))
-
-    @property
-    def size_px(self) -> tuple[int, int]:
-        """(height, width) of a picture."""
-        height, width = self.linear.shape[-2:]
-        return height // self.supersampling, width // self.supersampling
-
-    def photographed(
-        self, camera: Camera, draw: int = 0, who: Sequence[int] | None = None
-    ) -> torch.Tensor:
-        """Return the pictures ``(k, 3, H, W)`` that a camera takes of them.
-
-        Args:
-            camera: Takes them.
-            draw: Number of the draw of the noise, >= 0; another one has other noise everywhere.
-            who: Numbers of those who are photographed; everybody if None.
-        """
-        people = list(range(len(self.linear)) if who is None else who)
-        seeds = [self.seed + k + draw * DRAW_SEEDS for k in people]
-        with torch.no_grad():
-            pictures: torch.Tensor = camera(self.linear[people], self.metered[people], seeds)
-        return pictures
-
-    def trial(
-        self,
-        preset: Mapping[str, Any],
-        draw: int = 0,
-        origins_px: Sequence[tuple[int, int]] = (),
-    ) -> torch.Tensor:
-        """Photograph with a preset, so that a small change of it changes the pictures little.
-
-        Shot noise is that of the differentiable sensor: the same normal numbers in every trial,
-        where Poisson's would be drawn anew. The file is the true codec's.
-
-        Args:
-            preset: Plain mapping as in ``conf/camera``.
-            draw: Of the noise, see :meth:`photographed`.
-            origins_px: Places of the pictures in their frames, which the strangers have in turn;
-                the preset's own if empty.
-        """
-        from hydra.utils import instantiate
-
-        stored = instantiate(preset.get("stored"))
-        people = range(len(self.linear))
-        turns = list(origins_px) or [tuple(preset["origin_px"])]
-        places = [turns[k % len(turns)] for k in people]
-        phases = [(x % 2, y % 2) for x, y in places]  # a mosaic repeats after two pixels
-        pictures = self.linear.new_empty(len(people), 3, *self.size_px)
-        for phase in dict.fromkeys(phases):
-            who = [k for k in people if phases[k] == phase]
-            there = {"origin_px": places[who[0]], "stored": None, "codec": "differentiable"}
-            pictures[who] = self.photographed(_camera({**preset, **there}), draw, who)
-        if stored is not None:
-            for place in dict.fromkeys(places):
-                who = [k for k in people if places[k] == place]
-                pictures[who] = stored(pictures[None, who], origin_px=place)
-        return pictures
-
-    def cropped(self, size_px: tuple[int, int]) -> "Strangers":
-        """Return the middle of that (height, width), or less where there is not as much."""
-        finer = self.supersampling
-        tall, wide = (min(a, b) for a, b in zip(self.size_px, size_px, strict=True))
-        top, left = (self.size_px[0] - tall) // 2, (self.size_px[1] - wide) // 2
-        rows = slice(finer * top, finer * (top + tall))
-        columns = slice(finer * left, finer * (left + wide))
-        return Strangers(self.linear[..., rows, columns], self.metered, finer, self.seed)
 
 
 def preset_text(fitted: Mapping[str, Any], fit: Fit, real: RealPictures, blur_px: float) -> str:
@@ -340,15 +249,6 @@ def _render(
     linear = torch.stack([radiance.image for radiance in radiances])
     metered = torch.tensor([radiance.metered for radiance in radiances])
     return Strangers(linear, metered, finer, settings.seed).cropped(real.size_px)
-
-
-def _camera(preset: Mapping[str, Any]) -> Camera:
-    from hydra.utils import instantiate
-
-    camera: Camera = instantiate(dict(preset))
-    if not isinstance(camera, Camera):
-        raise InputError(f"camera={preset.get('name')} is no camera: give one of conf/camera")
-    return camera
 
 
 def _results(

@@ -142,9 +142,8 @@ def test_steps_are_taken_downhill_and_never_uphill(sign: int) -> None:
     if sign < 0:
         assert np.array_equal(place, start)
     else:
-        assert place[1] - start[1] == pytest.approx(
-            -0.5, abs=0.2
-        )  # its standard error is about 0.1
+        # Its standard error is about 0.1.
+        assert place[1] - start[1] == pytest.approx(-0.5, abs=0.2)
 
 
 def test_the_number_of_trials_is_about_what_was_expected(fit: Fit) -> None:

@@ -94,9 +94,7 @@ def test_filling_bytes_before_a_marker_are_passed_over() -> None:
 
 def test_luminance_names_its_own_table() -> None:
     file = bytearray(encoded(90))
-    start = (
-        file.index(b"\xff\xc0") + 4
-    )  # the frame: precision, sides, three of (name, factors, table)
+    start = file.index(b"\xff\xc0") + 4  # precision, sides, three of (name, factors, table)
     chroma = nearest_quality(chrominance_table(90))
     assert file[start + 8] == 0
     file[start + 8] = 1

@@ -14,8 +14,8 @@ from lrsr.camera.statistics import (
     bend,
     crop,
     describe,
+    leave_one_out,
     lens_blur_px,
-    others,
 )
 from lrsr.errors import ImageContractError, InputError
 
@@ -91,11 +91,13 @@ def test_bending_adds_squares_limits_and_a_product() -> None:
     assert float(bent[names.index("product_red_blue")]) == pytest.approx(2.0 * -5.0)
 
 
-def test_others_are_all_but_one() -> None:
+def test_each_is_left_out_of_its_own_mean_and_deviation() -> None:
     numbers = torch.randn(7, 3, dtype=torch.float64, generator=torch.Generator().manual_seed(3))
     for k in range(7):
         left = torch.cat([numbers[:k], numbers[k + 1 :]])
-        assert torch.allclose(others(numbers)[:, k], torch.stack([left.mean(0), left.std(0)]))
+        assert torch.allclose(
+            leave_one_out(numbers)[:, k], torch.stack([left.mean(0), left.std(0)])
+        )
 
 
 def test_squares_of_pictures_and_of_strangers_have_the_same_mean() -> None:
@@ -107,7 +109,7 @@ def test_squares_of_pictures_and_of_strangers_have_the_same_mean() -> None:
     for _ in range(300):
         real, strangers = torch.randn(2, 12, len(NAMES), generator=generator).double()
         typical = torch.stack([real.mean(0), real.std(0)])
-        both = bend(real, others(real)), bend(strangers, typical)
+        both = bend(real, leave_one_out(real)), bend(strangers, typical)
         means.append(torch.stack([one[:, squares].mean() for one in both]))
     of_pictures, of_strangers = torch.stack(means).mean(0)
     assert float(of_pictures) == pytest.approx(float(of_strangers), rel=0.08)

@@ -18,9 +18,10 @@ from lrsr.camera.parameters import with_jpeg, with_values
 from lrsr.camera.statistics import lens_blur_px
 from lrsr.data.png import write_png
 from lrsr.errors import ImageContractError, InputError
-from lrsr.experiments.fit_camera import FitSettings, Strangers, fit_to_folder
+from lrsr.experiments.fit_camera import FitSettings, fit_to_folder
 from lrsr.experiments.fit_report import NOT_DONE
 from lrsr.experiments.settings import IdentityRange, RenderingSettings
+from lrsr.experiments.strangers import Strangers
 from lrsr.paths import config_folder
 
 HIDDEN = {
