@@ -16,6 +16,7 @@ from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.manifest import ManifestRow, write_manifest
 from lrsr.data.probes import Probe
 from lrsr.data.render import write_picture
+from lrsr.evaluation.distinctness import Drawn, summarise
 from lrsr.experiments.demographics import draw_spread, spread
 from lrsr.experiments.figures import data_uri, draw_angles, encode_face
 from lrsr.experiments.portraits import draw_portraits
@@ -31,7 +32,6 @@ from lrsr.experiments.uniqueness import (
 )
 from lrsr.files import write_bytes, write_json, write_text
 from lrsr.identities.roster import write_roster
-from lrsr.identities.uniqueness import Drawn, summarise
 from lrsr.provenance import versions
 from lrsr.recognition.encoders import load_encoder
 

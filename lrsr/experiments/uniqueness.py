@@ -17,10 +17,7 @@ from lrsr.configuration import number, require, section, whole_number
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.probes import Probe, ProbeRecipe, load_probes, render_missing, stack
-from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
-from lrsr.identities.person import Person
-from lrsr.identities.roster import Roster
-from lrsr.identities.uniqueness import (
+from lrsr.evaluation.distinctness import (
     Distinct,
     Drawn,
     Pair,
@@ -29,6 +26,9 @@ from lrsr.identities.uniqueness import (
     pairwise_angles_deg,
     summarise,
 )
+from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
+from lrsr.identities.person import Person
+from lrsr.identities.roster import Roster
 from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
 
 if TYPE_CHECKING:
