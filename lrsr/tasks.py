@@ -7,10 +7,19 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from lrsr.configuration import number, numbers, section, whole_number, whole_numbers
+from lrsr.configuration import (
+    flag,
+    number,
+    numbers,
+    run_folder,
+    section,
+    whole_number,
+    whole_numbers,
+)
 from lrsr.errors import InputError
 from lrsr.experiments.settings import IdentityRange, RenderingSettings, verification_settings
-from lrsr.paths import cache_folder
+from lrsr.files import make_folder
+from lrsr.paths import cache_folder, user_path
 from lrsr.provenance import write_provenance
 
 if TYPE_CHECKING:
@@ -28,15 +37,15 @@ def run_eval(config: "DictConfig") -> Path:
     from lrsr.experiments.run import verify  # torch takes seconds
 
     settings = verification_settings(config)
-    folder = _run_folder()
-    write_provenance(folder, config)
-    return verify(
-        settings,
-        folder,
-        cache=_cache(config),
-        camera=_instantiate(config.camera),
-        model=_path(config.recognition.model),
-    )
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return verify(
+            settings,
+            folder,
+            cache=_cache(config),
+            camera=_instantiate(config.camera),
+            model=_path(config.recognition.model),
+        )
 
 
 run_demo = run_eval
@@ -70,11 +79,12 @@ def run_render(config: "DictConfig") -> Path:
         compression=str(config.compression),
         ipd_px=number(config, "ipd_px"),
         scales=whole_numbers(config, "scales"),
-        png16=bool(config.png16),
+        png16=flag(config, "png16"),
         camera=_instantiate(config.camera),
         seed=whole_number(config, "seed"),
         cache=_cache(config),
     )
+    make_folder(out)
     folder = render_to_folder(settings).parent
     write_provenance(folder, config)
     return folder
@@ -90,15 +100,15 @@ def run_identities(config: "DictConfig") -> Path:
     from lrsr.experiments.uniqueness import uniqueness_settings
 
     settings = uniqueness_settings(config)
-    folder = _run_folder()
-    write_provenance(folder, config)
-    return check_uniqueness(
-        settings,
-        folder,
-        cache=_cache(config),
-        camera=_instantiate(config.camera),
-        model=_path(config.recognition.model),
-    )
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return check_uniqueness(
+            settings,
+            folder,
+            cache=_cache(config),
+            camera=_instantiate(config.camera),
+            model=_path(config.recognition.model),
+        )
 
 
 def run_fit_camera(config: "DictConfig") -> Path:
@@ -110,9 +120,9 @@ def run_fit_camera(config: "DictConfig") -> Path:
     from lrsr.experiments.fit_camera import fit_settings, fit_to_folder  # torch takes seconds
 
     settings = fit_settings(config)
-    folder = _run_folder()
-    write_provenance(folder, config)
-    return fit_to_folder(settings, folder, cache=_cache(config))
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return fit_to_folder(settings, folder, cache=_cache(config))
 
 
 def run_train(config: "DictConfig") -> Path:
@@ -135,19 +145,20 @@ def _train_sr(config: "DictConfig") -> Path:
     section(IdentityRange, config, "identities")
     section(RenderingSettings, config, "rendering")
     seed = whole_number(config, "seed")
-    folder = _run_folder()
-    write_provenance(folder, config)
-    return train(
-        _instantiate(config.data),
-        _instantiate(config.sr.module),
-        folder=folder,
-        trainer=_instantiate(config.trainer),
-        callbacks=list(_instantiate(config.callbacks).values()),
-        loggers=list(_instantiate(config.logger).values()),
-        seed=seed,
-        resume=bool(config.resume),
-        about={"identities": config.identities.count, "ipd_px": numbers(config.data, "ipd_px")},
-    )
+    about = {"identities": config.identities.count, "ipd_px": numbers(config.data, "ipd_px")}
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return train(
+            _instantiate(config.data),
+            _instantiate(config.sr.module),
+            folder=folder,
+            trainer=_instantiate(config.trainer),
+            callbacks=list(_instantiate(config.callbacks).values()),
+            loggers=list(_instantiate(config.logger).values()),
+            seed=seed,
+            resume=flag(config, "resume"),
+            about=about,
+        )
 
 
 def _train_recognition(config: "DictConfig") -> Path:
@@ -161,16 +172,16 @@ def _train_recognition(config: "DictConfig") -> Path:
         raise InputError("nothing to train there: give recognition=arcface")
     faces = section(FaceSettings, config.recognition, "faces")
     training = section(TrainingSettings, config.recognition, "training")
-    folder = _run_folder()
     used = ("seed", "identities", "rendering", "camera", "paths", "recognition", "resume")
-    write_provenance(folder, OmegaConf.masked_copy(config, list(used)))
-    return train_embedder(
-        folder,
-        RenderCache(_cache(config)),
-        faces=faces,
-        training=training,
-        resume=bool(config.resume),
-    )
+    with run_folder(config) as folder:
+        write_provenance(folder, OmegaConf.masked_copy(config, list(used)))
+        return train_embedder(
+            folder,
+            RenderCache(_cache(config)),
+            faces=faces,
+            training=training,
+            resume=flag(config, "resume"),
+        )
 
 
 def _instantiate(config: "DictConfig") -> Any:
@@ -179,15 +190,9 @@ def _instantiate(config: "DictConfig") -> Any:
     return instantiate(config)
 
 
-def _run_folder() -> Path:
-    from hydra.core.hydra_config import HydraConfig  # loaded by then
-
-    return Path(HydraConfig.get().runtime.output_dir)
-
-
 def _cache(config: "DictConfig") -> Path:
     return _path(config.paths.cache) or cache_folder()
 
 
 def _path(value: object) -> Path | None:
-    return None if value is None else Path(str(value)).expanduser().resolve()
+    return None if value is None else user_path(value)

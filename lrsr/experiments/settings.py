@@ -4,7 +4,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from lrsr.camera.codec import COMPRESSIONS
-from lrsr.configuration import number, numbers, require, section, whole_number, whole_numbers, words
+from lrsr.configuration import (
+    number,
+    numbered,
+    numbers,
+    require,
+    section,
+    whole_number,
+    whole_numbers,
+    words,
+)
 from lrsr.identities.roster import Casting
 from lrsr.identities.splits import SPLITS
 from lrsr.rendering.skin import named
@@ -178,7 +187,7 @@ def verification_settings(config: "DictConfig") -> VerificationSettings:
 
 
 def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
-    table = config.conditions
+    table = numbered(config, "conditions")
     conditions = []
     for ipd_px in numbers(config, "ipd_px"):
         for option in whole_numbers(config, "options"):
