@@ -5,7 +5,7 @@ from hydra import compose, initialize_config_dir
 from omegaconf import DictConfig
 
 from lrsr.errors import InputError
-from lrsr.configuration import preset
+from lrsr.presets import preset
 from lrsr.experiments.design import Condition, Design
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population

@@ -8,7 +8,7 @@ from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
-from lrsr.configuration import preset
+from lrsr.presets import preset
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.trial import Trial
 from lrsr.identities.morphable import RECIPE_VERSION

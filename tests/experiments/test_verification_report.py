@@ -5,7 +5,7 @@ import pytest
 from fakes.painted import PaintedMaker
 
 from lrsr.camera import Camera
-from lrsr.configuration import preset
+from lrsr.presets import preset
 from lrsr.errors import InputError
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.verification import Verification
