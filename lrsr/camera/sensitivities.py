@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from lrsr.errors import InputError
 from lrsr.paths import asset
-from lrsr.rendering.bands import average, daylight
+from lrsr.spectra import average, daylight
 
 FloatArray = NDArray[np.float64]
 Per = Literal["energy", "quanta"]

@@ -43,7 +43,7 @@ class ProbeRecipe:
         lens: Name of a lens, or any surfaces.
         standpoint: Name of a place of the camera, or any.
         bands: Spectral bands on the film, 7 to 350; 0: three colours. See
-            :mod:`lrsr.rendering.bands`.
+            :mod:`lrsr.spectra`.
 
     Raises:
         InputError: A value is out of its range, or there is no such pose, lighting, expression,

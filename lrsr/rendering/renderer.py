@@ -8,7 +8,6 @@ import torch
 
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.film import expose
 from lrsr.rendering.geometry import place_camera
 from lrsr.rendering.lens import Lens, find_lens
@@ -17,6 +16,7 @@ from lrsr.rendering.scene import Lighting, Pose, environment, find_lighting, fin
 from lrsr.rendering.skin import Skin
 from lrsr.rendering.stage import Stage
 from lrsr.rendering.standpoint import Standpoint, find_standpoint
+from lrsr.spectra import band_edges
 
 RENDERER_VERSION = "2"
 """Changes whenever the same head would give other pixels."""

@@ -8,8 +8,8 @@ import torch
 
 from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.identities.head import Head
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance
+from lrsr.spectra import band_edges
 
 
 class FakeMaker:

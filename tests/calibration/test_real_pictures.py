@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 import torch
 
+from lrsr.calibration.real_pictures import RealPictures, read_real_pictures
 from lrsr.data.png import write_png
 from lrsr.errors import InputError
-from lrsr.experiments.real_pictures import RealPictures, read_real_pictures
 
 
 def noise(seed: int, height: int = 20, width: int = 24) -> torch.Tensor:
