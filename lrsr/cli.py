@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lrsr import __version__
 from lrsr.errors import InputError
@@ -138,50 +138,24 @@ def _given_camera(overrides: list[str]) -> Iterator[list[str]]:
     """Let ``camera=PATH.yaml`` name a file: it becomes an option of the group for this run.
 
     Raises:
-        InputError: There is no such file.
+        InputError: There is no such file, or it describes no camera.
     """
     paths = [word.removeprefix("camera=") for word in overrides if _CAMERA_FILE.fullmatch(word)]
     if not paths:
         yield overrides
         return
-    path = Path(paths[-1]).expanduser()
-    if not path.is_file():
-        raise InputError(f"camera={path}: no such file; give a preset's name or its .yaml file")
-    _check_targets(path)
+    from omegaconf import OmegaConf  # and what it needs only for such a file
+
+    from lrsr.camera.preset_file import read_preset_file
+
+    settings = read_preset_file(Path(paths[-1]).expanduser())
     with TemporaryDirectory() as folder:
         option = Path(folder) / "camera" / "given_file.yaml"  # no shipped preset's name
         option.parent.mkdir()
-        option.write_bytes(path.read_bytes())
+        option.write_text(OmegaConf.to_yaml(OmegaConf.create(settings)), encoding="utf-8")
         # In its place: Hydra's parser wants all overrides side by side.
         words = [_CAMERA_FILE.sub("camera=given_file", word) for word in overrides]
         yield [*words, "--config-dir", folder]
-
-
-def _check_targets(path: Path) -> None:
-    """Let a file that may come from anybody build parts of a camera and call nothing else.
-
-    Raises:
-        InputError: A ``_target_`` lies outside ``lrsr.camera``.
-    """
-    from omegaconf import OmegaConf  # and what it needs only for such a file
-
-    try:
-        pending: list[Any] = [OmegaConf.to_container(OmegaConf.load(path), resolve=False)]
-    except Exception as error:  # whatever YAML's and OmegaConf's parsers raise
-        raise InputError(f"camera={path}: no configuration: {str(error).splitlines()[0]}") from None
-    while pending:
-        node = pending.pop()
-        if isinstance(node, dict):
-            target = node.get("_target_", "lrsr.camera.")
-            if not str(target).startswith("lrsr.camera."):
-                raise InputError(
-                    f"camera={path}: {target!r} builds no part of lrsr.camera; remove it"
-                )
-            pending += node.values()
-        elif isinstance(node, list):
-            pending += node
-        elif "${" in str(node):
-            raise InputError(f"camera={path}: {node!r} is computed; write the value itself")
 
 
 _CAMERA_FILE = re.compile(r"camera=.+\.ya?ml")

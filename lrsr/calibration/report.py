@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from lrsr.calibration.fit import Fit
 from lrsr.calibration.picture_statistics import BENT_NAMES, RANGES, RINGS
 from lrsr.calibration.real_pictures import RealPictures
-from lrsr.experiments.figures import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes
-from lrsr.experiments.report import FILE, template
 from lrsr.files import write_bytes, write_text
+from lrsr.pages import COLOURS, DPI, FILE, STYLE, data_uri, encode_face, png_bytes, template
 from lrsr.provenance import versions
 
 SHOWN = 8

@@ -17,9 +17,9 @@ from lrsr.data.manifest import ManifestRow, write_manifest
 from lrsr.data.probes import Probe
 from lrsr.data.render import write_picture
 from lrsr.experiments.demographics import draw_spread, spread
-from lrsr.experiments.figures import data_uri, draw_angles, encode_face
+from lrsr.experiments.figures import draw_angles
 from lrsr.experiments.portraits import draw_portraits
-from lrsr.experiments.report import FILE, flat, template
+from lrsr.experiments.report import flat
 from lrsr.experiments.uniqueness import (
     Findings,
     Gallery,
@@ -32,6 +32,7 @@ from lrsr.experiments.uniqueness import (
 from lrsr.files import write_bytes, write_json, write_text
 from lrsr.identities.roster import write_roster
 from lrsr.identities.uniqueness import Drawn, summarise
+from lrsr.pages import FILE, data_uri, encode_face, template
 from lrsr.provenance import versions
 from lrsr.recognition.encoders import load_encoder
 
