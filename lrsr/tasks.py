@@ -93,12 +93,12 @@ def run_identities(config: "DictConfig") -> Path:
 
 
 def run_fit_camera(config: "DictConfig") -> Path:
-    """Estimate a camera from real pictures; see :mod:`lrsr.experiments.fit_camera`.
+    """Estimate a camera from real pictures; see :mod:`lrsr.calibration.from_pictures`.
 
     Raises:
         InputError: A setting is wrong, or the pictures cannot be used.
     """
-    from lrsr.experiments.fit_camera import fit_settings, fit_to_folder  # torch takes seconds
+    from lrsr.calibration.from_pictures import fit_settings, fit_to_folder  # torch takes seconds
 
     settings = fit_settings(config)
     with run_folder(config) as folder:

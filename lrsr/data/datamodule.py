@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, TypeVar
 
 import torch
 from lightning import LightningDataModule
+from lrsr.data.cache import RenderCache
+from lrsr.data.maker import Maker
+from lrsr.data.probes import filmed, load_probes, render_missing, stack
+from lrsr.data.recipe import ProbeRecipe, derived_seed
 from torch.utils.data import BatchSampler, DataLoader, RandomSampler
 
 from lrsr.camera import Camera
-from lrsr.data.cache import RenderCache
-from lrsr.data.maker import Maker
 from lrsr.data.patches import PairDataset, PatchDataset, cut_patches, luminance_pair
-from lrsr.data.probes import filmed, load_probes, render_missing, stack
-from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.errors import InputError
 from lrsr.identities.roster import UNCHECKED, Cast
 from lrsr.identities.splits import Split

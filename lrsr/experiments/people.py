@@ -3,7 +3,7 @@
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from lrsr.camera import Camera
 from lrsr.evaluation.distinctness import Drawn, summarise
 from lrsr.experiments.report.demographics import draw_spread, spread
-from lrsr.experiments.report.figures import data_uri, draw_angles, encode_face
-from lrsr.experiments.report.page import FILE, flat, template
+from lrsr.experiments.report.figures import draw_angles
+from lrsr.experiments.report.page import flat
 from lrsr.experiments.report.sheets import draw_portraits
 from lrsr.experiments.uniqueness import (
     Findings,
@@ -27,6 +27,7 @@ from lrsr.experiments.uniqueness import (
 )
 from lrsr.files import write_bytes, write_json, write_text
 from lrsr.identities.roster import write_roster
+from lrsr.pages import FILE, data_uri, encode_face, template
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import Entry, write_manifest
 from lrsr.pictures.maker import Maker, mitsuba_maker

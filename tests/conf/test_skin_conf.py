@@ -2,10 +2,10 @@
 
 import pytest
 from hydra import compose, initialize_config_dir
+from lrsr.experiments.settings import RenderingSettings
 
 from lrsr.configuration import section
 from lrsr.errors import InputError
-from lrsr.experiments.settings import RenderingSettings
 from lrsr.paths import config_folder
 from lrsr.rendering.skin import SKINS, Skin
 

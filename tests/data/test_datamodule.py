@@ -7,15 +7,15 @@ import pytest
 import torch
 from fakes.maker import FakeMaker
 from lightning import LightningModule, Trainer
+from lrsr.data.cache import RenderCache
+from lrsr.data.probes import load_probes, stack
 from omegaconf import OmegaConf
 
 from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
 from lrsr.camera.spectral import SpectralColour
 from lrsr.data import ProbeDataModule
-from lrsr.data.cache import RenderCache
 from lrsr.data.patches import PatchDataset, cut_patches
-from lrsr.data.probes import load_probes, stack
 from lrsr.errors import InputError
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population

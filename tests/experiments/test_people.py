@@ -11,14 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from fakes.twins import TwinMaker, gate
+from lrsr.experiments.portraits import GAP_PX, LINE_PX
+from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
 from matplotlib.image import imread
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.evaluation.distinctness import Distinct
 from lrsr.experiments.people import answer, check_uniqueness, gate_sentence
-from lrsr.experiments.portraits import GAP_PX, LINE_PX
-from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
 from lrsr.experiments.uniqueness import Findings, UniquenessSettings
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION

@@ -3,9 +3,9 @@ from dataclasses import asdict
 
 import numpy as np
 import pytest
+from lrsr.experiments.settings import Condition
 from sklearn.metrics import roc_auc_score
 
-from lrsr.experiments.settings import Condition
 from lrsr.experiments.table import compare_methods, make_row, mean_psnr_db
 from lrsr.recognition.scores import Scores
 

@@ -8,11 +8,7 @@ import pytest
 from fakes.dlib_parts import install_dlib, remove_dlib
 from fakes.twins import TwinMaker, gate
 from hydra import compose, initialize_config_dir
-
-from lrsr.camera import Camera
 from lrsr.data.cache import RenderCache
-from lrsr.errors import InputError
-from lrsr.evaluation.distinctness import Drawn
 from lrsr.experiments.settings import (
     Condition,
     GallerySettings,
@@ -20,6 +16,10 @@ from lrsr.experiments.settings import (
     RenderingSettings,
     VerificationSettings,
 )
+
+from lrsr.camera import Camera
+from lrsr.errors import InputError
+from lrsr.evaluation.distinctness import Drawn
 from lrsr.experiments.uniqueness import (
     NEAREST,
     Findings,

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 
 import numpy as np
 import torch
-
 from lrsr.data.recipe import ProbeRecipe, derived_seed
+
 from lrsr.identities.head import Head
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance
+from lrsr.spectra import band_edges
 
 
 class FakeMaker:

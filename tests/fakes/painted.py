@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 import torch
 import torch.nn.functional as F
-
 from lrsr.data.recipe import ProbeRecipe
+
 from lrsr.identities.head import Head
 from lrsr.recognition.alignment import TEMPLATE_PX
 from lrsr.rendering.geometry import film_size_px

@@ -16,13 +16,13 @@ from oracles.heads import ellipsoid_part, stand_in
 from lrsr.identities.head import Head
 from lrsr.rendering import stage
 from lrsr.rendering.backend import start
-from lrsr.rendering.bands import band_edges, srgb_weights
 from lrsr.rendering.lens import find_lens
 from lrsr.rendering.renderer import Renderer
 from lrsr.rendering.scene import Lighting
 from lrsr.rendering.skin_spectrum import skin_albedo
 from lrsr.rendering.upsampling import filters, light_bands, meter_bands
 from lrsr.rendering.wavelengths import draw_wavelengths, split
+from lrsr.spectra import band_edges, srgb_weights
 
 Arrays = dict[str, NDArray[Any]]
 EDGES = band_edges(35)

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 from fakes.maker import FakeMaker
-
 from lrsr.data.cache import RenderCache
 
 

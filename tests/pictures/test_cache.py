@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 import torch
-
 from lrsr.data.cache import RenderCache
+
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.identities.person import Person
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance
+from lrsr.spectra import band_edges
 
 KEY = RenderCache.key({"who": 1})
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-
 from lrsr.data.maker import MitsubaMaker, mitsuba_maker
 from lrsr.data.recipe import ProbeRecipe
+
 from lrsr.identities.head import Head
 from lrsr.identities.person import Person
 from lrsr.identities.population import EVERYBODY, Population

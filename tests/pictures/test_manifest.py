@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-
 from lrsr.data.manifest import COLUMNS, ManifestRow, about, read_manifest, write_manifest
+
 from lrsr.errors import InputError
 from lrsr.identities.person import Person
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from lrsr.data.png import read_png, write_png
 from PIL import Image
 
-from lrsr.data.png import read_png, write_png
 from lrsr.errors import InputError
 
 

@@ -13,12 +13,6 @@ from pathlib import Path
 import pytest
 import torch
 from fakes.maker import FakeMaker
-
-from lrsr.camera import Camera
-from lrsr.camera.exposure import KEY
-from lrsr.camera.optics import bin_pixels
-from lrsr.camera.sensor import Sensor
-from lrsr.camera.spectral import SpectralColour
 from lrsr.data.cache import RenderCache
 from lrsr.data.probes import (
     ProbeRecipe,
@@ -29,6 +23,12 @@ from lrsr.data.probes import (
     render_missing,
     stack,
 )
+
+from lrsr.camera import Camera
+from lrsr.camera.exposure import KEY
+from lrsr.camera.optics import bin_pixels
+from lrsr.camera.sensor import Sensor
+from lrsr.camera.spectral import SpectralColour
 from lrsr.errors import InputError
 from lrsr.identities.head import Head
 from lrsr.images import linear_to_srgb

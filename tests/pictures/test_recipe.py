@@ -5,9 +5,9 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-
 from lrsr.data.cache import RenderCache
 from lrsr.data.recipe import ProbeRecipe, derived_seed
+
 from lrsr.errors import InputError
 from lrsr.identities.face.expression import EXPRESSIONS, Expression
 from lrsr.identities.population import Population

@@ -5,20 +5,20 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
+import lrsr.data.render as render_module
 import pytest
 import torch
 from fakes.maker import FakeMaker
-
-import lrsr.data.render as render_module
-from lrsr.camera import Camera
-from lrsr.camera.exposure import KEY
-from lrsr.camera.sensor import Sensor
-from lrsr.camera.spectral import SpectralColour
 from lrsr.data.cache import RenderCache
 from lrsr.data.manifest import read_manifest
 from lrsr.data.png import read_png
 from lrsr.data.probes import load_probes, load_radiances
 from lrsr.data.render import RenderSettings, render_to_folder
+
+from lrsr.camera import Camera
+from lrsr.camera.exposure import KEY
+from lrsr.camera.sensor import Sensor
+from lrsr.camera.spectral import SpectralColour
 from lrsr.errors import InputError
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import RECIPE_VERSION

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 import torch
-
 from lrsr.data.cache import RenderCache
+
 from lrsr.errors import InputError
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population

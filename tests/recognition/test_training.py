@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 import torch
+from lrsr.data.cache import RenderCache
 
 import lrsr.recognition.training as training
-from lrsr.data.cache import RenderCache
 from lrsr.errors import InputError
 from lrsr.recognition import Engine
 from lrsr.recognition.arcface import ArcFaceModule

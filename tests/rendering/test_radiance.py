@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 import torch
 
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance, spectrum_of
+from lrsr.spectra import band_edges
 
 PLAIN = Radiance(torch.zeros(3, 2, 2), torch.zeros(5, 2), 8.0, 1, 2.0, 0, "x", "frontal", "side")
 BANDED = replace(

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lrsr.rendering.bands import band_edges, daylight, observer, photometric_unit, srgb_weights
 from lrsr.rendering.scene import environment, find_lighting
+from lrsr.spectra import band_edges, daylight, observer, photometric_unit, srgb_weights
 
 Seen = dict[str, np.ndarray]
 EDGES = band_edges(35)

@@ -8,17 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from numpy.typing import ArrayLike
 
 from lrsr.errors import InputError
 from lrsr.evaluation.roc import RocCurve
-from lrsr.experiments.report.figures import Interval, draw_intervals, draw_roc, encode_face
+from lrsr.experiments.report.figures import Interval, draw_intervals, draw_roc
 from lrsr.experiments.report.lines import best_methods, method_labels, report_lines
 from lrsr.files import write_text
+from lrsr.pages import FILE, encode_face, template
 
-FILE = "report.html"
-_TEMPLATES = Path(__file__).resolve().parent / "templates"
 _ROW_KEYS = ("option", "label", "auc", "std", "low", "high", "n_genuine", "n_impostor")
 _COMPARISON_KEYS = ("option", "method", "against", "difference", "p")
 
@@ -122,18 +120,6 @@ def render_html(report: Report) -> str:
         panels=[_panel(panel, report) for panel in report.panels],
         n_tests=len(report.comparisons),
     )
-
-
-def template(name: str) -> Template:
-    """Return one of the pages' templates; whatever is put into it is escaped."""
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template(name)
 
 
 def _check(report: Report) -> None:

@@ -1,6 +1,6 @@
 """How unlike are the pictures of strangers by a trial camera? The objective of the fit, and slopes.
 
-See :mod:`lrsr.camera.fitting` for the formulas.
+See :mod:`lrsr.calibration.fit` for the formulas.
 """
 
 import os
@@ -13,8 +13,8 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from lrsr.camera.parameters import Parameter
-from lrsr.camera.statistics import NAMES, bend, describe, leave_one_out
+from lrsr.calibration.parameters import Parameter
+from lrsr.calibration.picture_statistics import NAMES, bend, describe, leave_one_out
 from lrsr.errors import InputError
 
 LEAST_IMAGES = 20
@@ -32,7 +32,7 @@ Shoot = Callable[[Mapping[str, float], int], torch.Tensor]
 """Parameters and the number of a draw of the noise, to pictures of always the same strangers."""
 
 
-class Moments:
+class Objective:
     """Means of the statistics, real and simulated, and how sure their differences are.
 
     Args:

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-from lrsr.camera import fitting
-from lrsr.camera.fitting import Fit, fit_camera
-from lrsr.camera.moments import Moments
-from lrsr.camera.parameters import Parameter
+from lrsr.calibration import fit as fitting
+from lrsr.calibration.fit import Fit, fit_camera
+from lrsr.calibration.objective import Objective
+from lrsr.calibration.parameters import Parameter
 from lrsr.camera.processing import sharpen, tone
 from lrsr.camera.smoothing import gaussian_blur
 from lrsr.errors import InputError
@@ -133,12 +133,12 @@ def test_a_value_never_leaves_its_range() -> None:
 def test_steps_are_taken_downhill_and_never_uphill(sign: int) -> None:
     strangers = people(2, 40)
     real = shoot(people(1, 40), HIDDEN, seed=1008)
-    moments = Moments(real, lambda values, draw: shoot(strangers, values, 9 + draw), TOY, 0.75)
+    objective = Objective(real, lambda values, draw: shoot(strangers, values, 9 + draw), TOY, 0.75)
     start = np.array([parameter.coordinate(HIDDEN[parameter.name]) for parameter in TOY])
     start[1] += 0.5  # the noise by a factor of 1.6 too strong
-    moments.weigh(start, shrinkage=0.3)
-    first, second = moments.slopes(start, np.full(len(TOY), 0.3))
-    place = fitting._settled(moments, start, (sign * first, sign * second))
+    objective.weigh(start, shrinkage=0.3)
+    first, second = objective.slopes(start, np.full(len(TOY), 0.3))
+    place = fitting._settled(objective, start, (sign * first, sign * second))
     if sign < 0:
         assert np.array_equal(place, start)
     else:

@@ -6,7 +6,7 @@ import torch
 from lrsr.camera import Camera, Colour, Jpeg, Mosaic, Optics, Processing, Sensor, Video
 from lrsr.camera.exposure import KEY
 from lrsr.camera.optics import bin_pixels
-from lrsr.camera.walk import walk
+from lrsr.camera.stages import show_stages
 from lrsr.errors import InputError
 from lrsr.images import linear_to_srgb
 
@@ -30,19 +30,19 @@ def camera(compression: str = "none", **changes: object) -> Camera:
 
 
 def test_all_steps_come_in_the_order_of_the_light() -> None:
-    assert list(walk(camera(), LIGHT, METERED, SEEDS)) == STEPS
-    assert list(walk(camera("heavy"), LIGHT, METERED, SEEDS)) == [*STEPS, "picture"]
+    assert list(show_stages(camera(), LIGHT, METERED, SEEDS)) == STEPS
+    assert list(show_stages(camera("heavy"), LIGHT, METERED, SEEDS)) == [*STEPS, "picture"]
 
 
 def test_the_last_step_is_the_picture_that_the_camera_takes() -> None:
     taken_by = camera("heavy")
-    steps = walk(taken_by, LIGHT, METERED, SEEDS)
+    steps = show_stages(taken_by, LIGHT, METERED, SEEDS)
     assert torch.equal(steps["picture"], taken_by(LIGHT, METERED, SEEDS))
     assert torch.equal(steps["stored"], camera()(LIGHT, METERED, SEEDS))
 
 
 def test_each_step_is_what_the_stage_makes_of_the_step_before() -> None:
-    steps = walk(camera(), LIGHT, METERED, SEEDS)
+    steps = show_stages(camera(), LIGHT, METERED, SEEDS)
     film = LIGHT * KEY
     blurred = STAGES["optics"](film, supersampling=2)
     assert torch.equal(steps["film"], linear_to_srgb(film))
@@ -55,7 +55,7 @@ def test_each_step_is_what_the_stage_makes_of_the_step_before() -> None:
 
 
 def test_a_raw_photosite_shows_its_own_colour_alone() -> None:
-    raw = walk(camera(), LIGHT, METERED, SEEDS)["raw"]
+    raw = show_stages(camera(), LIGHT, METERED, SEEDS)["raw"]
     # GBRG at (3, 4) starts with the second letter: blue, green / green, red.
     assert bool((raw[:, :2, ::2, ::2] == 0).all())
     assert bool((raw[:, 1:, 1::2, 1::2] == 0).all())
@@ -63,8 +63,8 @@ def test_a_raw_photosite_shows_its_own_colour_alone() -> None:
 
 
 def test_steps_that_a_camera_lacks_are_left_out() -> None:
-    assert list(walk(Camera(), LIGHT, METERED)) == ["film", "picture"]
-    chips = walk(camera(mosaic=None, processing=None, stored=None), LIGHT, METERED, SEEDS)
+    assert list(show_stages(Camera(), LIGHT, METERED)) == ["film", "picture"]
+    chips = show_stages(camera(mosaic=None, processing=None, stored=None), LIGHT, METERED, SEEDS)
     assert list(chips) == ["film", "lens", "pixels", "raw", "colours", "picture"]
     assert chips["raw"].shape == (2, 3, 12, 16)
 
@@ -73,13 +73,13 @@ def test_of_a_recording_the_last_exposure_is_shown() -> None:
     taken_by = camera(stored=Video(frames=2))
     light = taken_by.gather(LIGHT * KEY)
     last = taken_by.develop(light, SEEDS, 1)
-    processed = walk(taken_by, LIGHT, METERED, SEEDS)["processed"]
+    processed = show_stages(taken_by, LIGHT, METERED, SEEDS)["processed"]
     assert torch.equal((processed * 255).round() / 255, last)
 
 
 def test_the_camera_forgets_the_walk_even_when_it_fails() -> None:
     taken_by = camera()
     with pytest.raises(InputError, match="is noisy: give seeds"):
-        walk(taken_by, LIGHT, METERED)
-    walk(taken_by, LIGHT, METERED, SEEDS)
+        show_stages(taken_by, LIGHT, METERED)
+    show_stages(taken_by, LIGHT, METERED, SEEDS)
     assert not any(stage._forward_hooks for stage in taken_by.children())

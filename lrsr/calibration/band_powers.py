@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 
-import numpy as np
 import torch
 from torch.nn import functional as F
 
 from lrsr.camera.jpeg_tables import BLOCK_PX
+from lrsr.camera.soft_jpeg import cosine_transform
 
 MOVED_PX = 2
 HALVES = ("dark_quiet", "dark_busy", "bright_quiet", "bright_busy")
@@ -47,19 +47,6 @@ def band_powers(plane: Floats, brightness: Floats, edges: Edges, floor: float) -
     for blocks in bands.tensor_split(2, dim=2):
         columns += [half.mean(2) for half in blocks.sort(dim=2).values.tensor_split(2, dim=2)]
     return torch.stack(columns, 2).flatten(1).add(floor).log()
-
-
-def cosine_transform() -> Floats:
-    """Return the orthonormal DCT ``(8, 8)``, a row for each cosine.
-
-    Example:
-        >>> d = cosine_transform()
-        >>> torch.allclose(d @ d.T, torch.eye(8, dtype=d.dtype))
-        True
-    """
-    k = np.arange(BLOCK_PX)
-    waves = np.cos((2 * k + 1)[None] * k[:, None] * np.pi / (2 * BLOCK_PX))
-    return torch.from_numpy(waves * np.where(k[:, None] == 0, 0.5**0.5, 1.0) / 2)
 
 
 def _cosines(plane: Floats) -> Floats:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from lrsr.errors import InputError
-from lrsr.rendering.bands import (
+from lrsr.rendering.colour import chromaticity
+from lrsr.spectra import (
     average,
     band_edges,
     daylight,
@@ -14,7 +15,6 @@ from lrsr.rendering.bands import (
     srgb_weights,
     table,
 )
-from lrsr.rendering.colour import chromaticity
 
 EDGES = band_edges(35)
 

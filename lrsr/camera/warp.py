@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import torch
 
 from lrsr.camera.distortion import Distortion
-from lrsr.camera.field import mm_to_pixels, pixel_grid, pixels_to_mm
+from lrsr.camera.image_plane import mm_to_pixels, pixel_grid, pixels_to_mm
 from lrsr.camera.resampling import sample_bicubic
 
 
 @dataclass(frozen=True)
-class Bending:
+class Warp:
     """Distortion and lateral colour.
 
     Attributes:
@@ -26,7 +26,7 @@ class Bending:
         """Does everything come to lie where a pinhole camera draws it?"""
         return self.distortion.is_off and not any(self.lateral_colour_um)
 
-    def bend(self, film: torch.Tensor, field: torch.Tensor, pitch_mm: float) -> torch.Tensor:
+    def draw(self, film: torch.Tensor, field: torch.Tensor, pitch_mm: float) -> torch.Tensor:
         """Draw the picture of a crop: each of its pixels looks where its light comes from.
 
         Args:

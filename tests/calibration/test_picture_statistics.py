@@ -4,9 +4,7 @@ import pytest
 import torch
 from scipy.special import j1
 
-from lrsr.camera.camera import Camera
-from lrsr.camera.optics import Optics
-from lrsr.camera.statistics import (
+from lrsr.calibration.picture_statistics import (
     BENT_NAMES,
     NAMES,
     RANGES,
@@ -17,6 +15,8 @@ from lrsr.camera.statistics import (
     leave_one_out,
     lens_blur_px,
 )
+from lrsr.camera.camera import Camera
+from lrsr.camera.optics import Optics
 from lrsr.errors import ImageContractError, InputError
 
 RINGS_COUNT = len(RINGS) - 1

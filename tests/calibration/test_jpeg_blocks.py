@@ -3,8 +3,8 @@
 import pytest
 import torch
 
+from lrsr.calibration.jpeg_blocks import estimate_jpeg
 from lrsr.camera.codec import jpeg
-from lrsr.camera.jpeg_estimate import estimate_jpeg
 from lrsr.errors import ImageContractError
 
 

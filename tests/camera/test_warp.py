@@ -3,8 +3,8 @@
 import pytest
 import torch
 
-from lrsr.camera.bending import Bending
 from lrsr.camera.distortion import Distortion
+from lrsr.camera.warp import Warp
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 
@@ -28,9 +28,9 @@ def centres(light: torch.Tensor) -> list[list[float]]:
 
 
 def test_lateral_colour_moves_colours_along_the_radius() -> None:
-    lens = Bending(Distortion(radius_mm=2.5), (2.65, 0.0, -5.3))
+    lens = Warp(Distortion(radius_mm=2.5), (2.65, 0.0, -5.3))
     # 2 and -4 film pixels at the edge, of which 0.6 lie to the right and 0.8 down.
-    red, green, blue = centres(lens.bend(spot(41, 20, 20), FIELD, PITCH_MM))
+    red, green, blue = centres(lens.draw(spot(41, 20, 20), FIELD, PITCH_MM))
     assert red == pytest.approx([20 + 2 * 0.6, 20 + 2 * 0.8], abs=0.03)
     assert green == pytest.approx([20, 20], abs=0.03)
     assert blue == pytest.approx([20 - 4 * 0.6, 20 - 4 * 0.8], abs=0.03)
@@ -38,9 +38,9 @@ def test_lateral_colour_moves_colours_along_the_radius() -> None:
 
 @pytest.mark.parametrize("facing", [True, False], ids=["facing", "planar"])
 def test_pictures_and_points_move_alike(facing: bool) -> None:
-    lens = Bending(Distortion(0.1, 0.4, radius_mm=2.5, facing=facing))
+    lens = Warp(Distortion(0.1, 0.4, radius_mm=2.5, facing=facing))
     (moved,) = lens.move_points(torch.tensor([[24.0, 60.0]]), (81, 81), FIELD, PITCH_MM).tolist()
-    place = centres(lens.bend(spot(81, 24, 60), FIELD, PITCH_MM))[1]
+    place = centres(lens.draw(spot(81, 24, 60), FIELD, PITCH_MM))[1]
     assert place == pytest.approx(moved, abs=0.1)
     assert abs(moved[0] - 24) + abs(moved[1] - 60) > 2
 
@@ -48,7 +48,7 @@ def test_pictures_and_points_move_alike(facing: bool) -> None:
 def test_points_go_back_to_where_they_were() -> None:
     points = torch.rand(2, 5, 2, generator=RANDOM, dtype=torch.float64) * 64
     fields = torch.tensor([[[1.5, 2.0]], [[0.0, 0.0]]], dtype=torch.float64)
-    lens = Bending(BARREL, (2.0, 0.0, -2.0))
+    lens = Warp(BARREL, (2.0, 0.0, -2.0))
     moved = lens.move_points(points, (64, 64), fields, PITCH_MM)
     back = lens.move_points(moved, (64, 64), fields, PITCH_MM, inverse=True)
     assert torch.allclose(back, points, atol=1e-6)
@@ -56,12 +56,12 @@ def test_points_go_back_to_where_they_were() -> None:
 
 def test_a_flat_picture_stays_flat() -> None:
     flat = torch.full((1, 3, 9, 7), 0.6)
-    assert torch.allclose(Bending(BARREL, (2.0, 0.0, -2.0)).bend(flat, FIELD, PITCH_MM), flat)
+    assert torch.allclose(Warp(BARREL, (2.0, 0.0, -2.0)).draw(flat, FIELD, PITCH_MM), flat)
 
 
 def test_a_lens_that_bends_nothing_returns_the_film_itself() -> None:
-    film, lens = spot(9, 4, 4), Bending(Distortion())
+    film, lens = spot(9, 4, 4), Warp(Distortion())
     assert lens.is_off
-    assert lens.bend(film, FIELD, PITCH_MM) is film
-    assert not Bending(BARREL).is_off
-    assert not Bending(Distortion(), (1.0, 0.0, 0.0)).is_off
+    assert lens.draw(film, FIELD, PITCH_MM) is film
+    assert not Warp(BARREL).is_off
+    assert not Warp(Distortion(), (1.0, 0.0, 0.0)).is_off

@@ -5,14 +5,14 @@ import pytest
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from lrsr.camera.camera import Camera
-from lrsr.camera.parameters import (
+from lrsr.calibration.parameters import (
     PARAMETERS,
     Parameter,
     starting_from,
     with_jpeg,
     with_values,
 )
+from lrsr.camera.camera import Camera
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
 

@@ -11,17 +11,17 @@ import pytest
 import torch
 from fakes.painted import PaintedMaker
 from hydra.utils import instantiate
+from lrsr.data.png import write_png
+from lrsr.experiments.settings import IdentityRange, RenderingSettings
 from omegaconf import OmegaConf
 
+from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
+from lrsr.calibration.parameters import with_jpeg, with_values
+from lrsr.calibration.picture_statistics import lens_blur_px
+from lrsr.calibration.report import NOT_DONE
+from lrsr.calibration.strangers import Strangers
 from lrsr.camera.codec import jpeg
-from lrsr.camera.parameters import with_jpeg, with_values
-from lrsr.camera.statistics import lens_blur_px
-from lrsr.data.png import write_png
 from lrsr.errors import ImageContractError, InputError
-from lrsr.experiments.fit_camera import FitSettings, fit_to_folder
-from lrsr.experiments.fit_report import NOT_DONE
-from lrsr.experiments.settings import IdentityRange, RenderingSettings
-from lrsr.experiments.strangers import Strangers
 from lrsr.paths import config_folder
 
 HIDDEN = {

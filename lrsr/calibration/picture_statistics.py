@@ -8,9 +8,10 @@ Their mean over many pictures depends on the camera and on the population, not o
   1996, doi:10.1006/cviu.1996.0060, eq. 2) leaves of luminance and of both colour differences, in
   the smooth half of four ranges of brightness: the photon-transfer line, var = K · mean + read
   noise²;
-- log power of the cosines of blocks (:mod:`lrsr.camera.cosines`), of luminance and of both colour
-  differences, quiet and busy, dark and bright: noise apart from features where a codec has taken
-  the fine cosines; noise of the colours, which is not sharpened, apart from that of luminance;
+- log power of the cosines of blocks (:mod:`lrsr.calibration.band_powers`), of luminance and of
+  both colour differences, quiet and busy, dark and bright: noise apart from features where a codec
+  has taken the fine cosines; noise of the colours, which is not sharpened, apart from that of
+  luminance;
 - quantiles of luminance and of the colour differences: exposure, contrast and saturation;
 - log ratios of the channels' mean linear light: the colour cast;
 - log spread of the colour differences, how they go together, and their means in the darker and
@@ -30,9 +31,9 @@ import numpy as np
 import torch
 from torch.nn import functional as F
 
+from lrsr.calibration.band_powers import HALVES, band_powers
 from lrsr.camera.camera import Camera
-from lrsr.camera.contract import check_light, check_setting
-from lrsr.camera.cosines import HALVES, band_powers
+from lrsr.camera.checks import check_light, check_setting
 from lrsr.camera.processing import luminance
 from lrsr.errors import ImageContractError
 from lrsr.images import srgb_to_linear

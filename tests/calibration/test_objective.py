@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import torch
 
-from lrsr.camera.moments import Moments
-from lrsr.camera.parameters import Parameter
-from lrsr.camera.statistics import BENT_NAMES, NAMES
+from lrsr.calibration.objective import Objective
+from lrsr.calibration.parameters import Parameter
+from lrsr.calibration.picture_statistics import BENT_NAMES, NAMES
 from lrsr.errors import InputError
 
 LEVEL = Parameter("level", 0.5, 0.2, 0.8, 0.1, False, "of a wall")
@@ -43,28 +43,30 @@ def strangers(values: Mapping[str, float], draw: int) -> torch.Tensor:
 
 
 @pytest.fixture
-def moments() -> Moments:
-    made = Moments(walls(BRIGHTER, 7, 30), strangers, (LEVEL, IDLE), 1.0)
+def objective() -> Objective:
+    made = Objective(walls(BRIGHTER, 7, 30), strangers, (LEVEL, IDLE), 1.0)
     made.weigh(np.zeros(2), shrinkage=0.3)
     return made
 
 
-def test_the_means_are_those_of_the_pictures(moments: Moments) -> None:
+def test_the_means_are_those_of_the_pictures(objective: Objective) -> None:
     away = 3 * 255 * 0.04 / np.sqrt(24)  # of so few walls
-    assert moments.measured.shape == (len(BENT_NAMES),)
-    assert moments.measured[BRIGHTNESS] == pytest.approx(255 * 0.6, abs=away)
-    assert moments.simulated(np.array([1.0, 0.0]))[BRIGHTNESS] == pytest.approx(255 * 0.6, abs=away)
-    assert moments.simulated(np.zeros(2))[BRIGHTNESS] == pytest.approx(255 * 0.5, abs=away)
+    assert objective.measured.shape == (len(BENT_NAMES),)
+    assert objective.measured[BRIGHTNESS] == pytest.approx(255 * 0.6, abs=away)
+    assert objective.simulated(np.array([1.0, 0.0]))[BRIGHTNESS] == pytest.approx(
+        255 * 0.6, abs=away
+    )
+    assert objective.simulated(np.zeros(2))[BRIGHTNESS] == pytest.approx(255 * 0.5, abs=away)
 
 
-def test_chance_falls_with_the_number_of_people(moments: Moments) -> None:
+def test_chance_falls_with_the_number_of_people(objective: Objective) -> None:
     weights = torch.tensor([0.299, 0.587, 0.114])[:, None, None]  # BT.601
     medians = [
         np.median(255 * (pictures * weights).sum(1).flatten(1).numpy(), axis=1)
         for pictures in (walls(BRIGHTER, 7, 30), strangers(TRUE, 0))
     ]
     variance = sum(np.square(one - one.mean()).sum() for one in medians) / 53
-    assert moments.spread[BRIGHTNESS] == pytest.approx(
+    assert objective.spread[BRIGHTNESS] == pytest.approx(
         np.sqrt(variance * (1 / 30 + 1 / 24)), rel=0.02
     )
 
@@ -76,7 +78,7 @@ def test_errors_and_misfit_are_those_of_repeated_estimates(pictures: int, others
     # made from, chance would seem 2.6 times too small with 20.
     away, misfits = [], []
     for k in range(30):
-        made = Moments(
+        made = Objective(
             walls(TRUE, 1000 + k, pictures),
             lambda values, _, k=k: walls(values, 5000 + k, others),
             (LEVEL, GRAIN),
@@ -93,32 +95,32 @@ def test_errors_and_misfit_are_those_of_repeated_estimates(pictures: int, others
 
 def test_at_the_answer_only_chance_is_left() -> None:
     # 1.2, and 0.8 to 1.3 with other noise; 70 to 88 elsewhere.
-    made = Moments(even_walls(BRIGHTER, 7, 30), even_walls, (LEVEL, IDLE), 1.0)
+    made = Objective(even_walls(BRIGHTER, 7, 30), even_walls, (LEVEL, IDLE), 1.0)
     made.weigh(np.zeros(2), shrinkage=0.3)
     assert made.misfit(made.simulated(np.array([1.0, 0.0]))) < 2
     assert made.misfit(made.simulated(np.zeros(2))) > 50
 
 
-def test_slopes_are_those_of_long_differences(moments: Moments) -> None:
+def test_slopes_are_those_of_long_differences(objective: Objective) -> None:
     place, step = np.array([1.0, 0.0]), np.array([0.5, 0.5])
-    jacobian = moments.jacobian(moments.slopes(place, step))
-    by_hand = moments.residuals(np.array([1.5, 0.0])) - moments.residuals(np.array([0.5, 0.0]))
+    jacobian = objective.jacobian(objective.slopes(place, step))
+    by_hand = objective.residuals(np.array([1.5, 0.0])) - objective.residuals(np.array([0.5, 0.0]))
     assert np.allclose(jacobian[:, 0], by_hand)
     assert np.allclose(jacobian[:-2, 1], 0)
     assert np.array_equal(jacobian[-2:], np.eye(2))
 
 
-def test_what_has_no_effect_keeps_the_guess_s_doubt(moments: Moments) -> None:
-    slopes = moments.slopes(np.array([1.0, 0.0]), np.array([0.3, 0.3]), draws=2)
-    covariance = moments.covariance(slopes)
+def test_what_has_no_effect_keeps_the_guess_s_doubt(objective: Objective) -> None:
+    slopes = objective.slopes(np.array([1.0, 0.0]), np.array([0.3, 0.3]), draws=2)
+    covariance = objective.covariance(slopes)
     assert covariance[1, 1] == pytest.approx(1)
     assert covariance[0, 1] == pytest.approx(0, abs=1e-9)
 
 
-def test_halves_that_disagree_prove_nothing(moments: Moments) -> None:
-    first, _ = moments.slopes(np.array([1.0, 0.0]), np.array([0.3, 0.3]))
+def test_halves_that_disagree_prove_nothing(objective: Objective) -> None:
+    first, _ = objective.slopes(np.array([1.0, 0.0]), np.array([0.3, 0.3]))
     # Their product is negative: taken for a curvature it would make the error infinite near -1.
-    assert moments.covariance((first, -first)) == pytest.approx(np.eye(2))
+    assert objective.covariance((first, -first)) == pytest.approx(np.eye(2))
 
 
 def test_no_trial_leaves_the_range_and_the_slope_is_that_of_the_shorter_way() -> None:
@@ -128,7 +130,7 @@ def test_no_trial_leaves_the_range_and_the_slope_is_that_of_the_shorter_way() ->
         tried.append(values["level"])
         return strangers(values, draw)
 
-    made = Moments(walls(BRIGHTER, 7), camera, (LEVEL, IDLE), 1.0)
+    made = Objective(walls(BRIGHTER, 7), camera, (LEVEL, IDLE), 1.0)
     made.weigh(None, shrinkage=0.3)
     place = np.array([2.9, 0.0])
     jacobian = made.jacobian(made.slopes(place, np.array([1.0, 1.0])))
@@ -138,19 +140,19 @@ def test_no_trial_leaves_the_range_and_the_slope_is_that_of_the_shorter_way() ->
     assert np.allclose(jacobian[:-2, 0], (ends[1] - ends[0])[:-2] / 1.1)
 
 
-def test_without_the_bent_columns_there_are_fewer_residuals(moments: Moments) -> None:
+def test_without_the_bent_columns_there_are_fewer_residuals(objective: Objective) -> None:
     place = np.zeros(2)
-    assert len(moments.residuals(place)) == len(BENT_NAMES) + 2
-    moments.weigh(None, shrinkage=0.3, bent=False)
-    assert len(moments.residuals(place)) == len(NAMES) + 2
+    assert len(objective.residuals(place)) == len(BENT_NAMES) + 2
+    objective.weigh(None, shrinkage=0.3, bent=False)
+    assert len(objective.residuals(place)) == len(NAMES) + 2
 
 
 def test_too_few_strangers_are_refused() -> None:
     real = walls(BRIGHTER, 7)
     with pytest.raises(InputError, match="3 rendered people: give at least 20"):
-        Moments(real, lambda values, draw: walls(values, draw, 3), (LEVEL,), 1.0)
+        Objective(real, lambda values, draw: walls(values, draw, 3), (LEVEL,), 1.0)
 
 
 def test_too_few_pictures_are_refused() -> None:
     with pytest.raises(InputError, match="19 pictures to fit: give at least 20"):
-        Moments(walls(BRIGHTER, 7, 19), strangers, (LEVEL,), 1.0)
+        Objective(walls(BRIGHTER, 7, 19), strangers, (LEVEL,), 1.0)

@@ -1,10 +1,10 @@
 """Which camera took these pictures? One whose pictures of strangers look the same on average.
 
 No picture needs a reference. Rendered strangers go through the camera with trial parameters θ, and
-the means of some numbers a picture (:mod:`lrsr.camera.statistics`) are made to agree with the real
-ones': the method of simulated moments (D. McFadden, Econometrica 57(5), 1989, doi:10.2307/1913621;
-as indirect inference, C. Gouriéroux, A. Monfort, E. Renault, J. Applied Econometrics 8, 1993,
-doi:10.1002/jae.3950080507). Minimised is
+the means of some numbers a picture (:mod:`lrsr.calibration.picture_statistics`) are made to agree
+with the real ones': the method of simulated moments (D. McFadden, Econometrica 57(5), 1989,
+doi:10.2307/1913621; as indirect inference, C. Gouriéroux, A. Monfort, E. Renault, J. Applied
+Econometrics 8, 1993, doi:10.1002/jae.3950080507). Minimised is
 
     (m - s(θ))ᵀ W (m - s(θ)) + Σ u(θ)²,   W = (C (1/n + 1/k))⁻¹
 
@@ -47,9 +47,9 @@ import numpy as np
 import torch
 from scipy.optimize import least_squares
 
-from lrsr.camera.contract import check_setting
-from lrsr.camera.moments import Floats, Moments, Shoot
-from lrsr.camera.parameters import PARAMETERS, Parameter
+from lrsr.calibration.objective import Floats, Objective, Shoot
+from lrsr.calibration.parameters import PARAMETERS, Parameter
+from lrsr.camera.checks import check_setting
 
 STEPS = (0.3, 1.0)
 """Of finite differences, in units of a parameter's doubt: as long as its standard error, within
@@ -97,7 +97,7 @@ class Fit:
         parameters: What was searched for.
         covariance: ``(P, P)`` of the estimates, each in units of its parameter's doubt.
         measured: Means of the statistics of the real pictures, ``(S,)``, named
-            :data:`lrsr.camera.statistics.BENT_NAMES`.
+            :data:`lrsr.calibration.picture_statistics.BENT_NAMES`.
         before: Those of the camera that the search began with.
         after: Those of the fitted camera.
         spread: Standard deviation by which two such means differ by chance alone, ``(S,)``.
@@ -148,7 +148,7 @@ def fit_camera(
         shoot: Photographs always the same k >= 20 other people with given parameters:
             ``(k, 3, H, W)``, with the same noise each time; is called by several threads.
         parameters: What to search for.
-        part: Share of the sides that counts; see :func:`lrsr.camera.statistics.describe`.
+        part: Share of the sides that counts: :func:`lrsr.calibration.picture_statistics.describe`.
         rounds: Steps of Gauss and Newton at most, >= 1, of the first, coarse part of the search.
 
     Returns:
@@ -160,7 +160,7 @@ def fit_camera(
     """
     check_setting("rounds", rounds, rounds >= 1, "at least 1")
     with _one_thread():
-        return _fit(Moments(srgb, shoot, tuple(parameters), part), rounds)
+        return _fit(Objective(srgb, shoot, tuple(parameters), part), rounds)
 
 
 def expected_trials(parameters: int = len(PARAMETERS), rounds: int = 12) -> int:
@@ -184,45 +184,45 @@ def _one_thread() -> Iterator[None]:
         torch.set_num_threads(before)
 
 
-def _fit(moments: Moments, rounds: int) -> Fit:
-    start = np.zeros(len(moments.parameters))
-    moments.weigh(None, shrinkage=SHRINKAGE, bent=False)
-    place, steps = _descended(moments, start, rounds), np.full(len(start), STEPS[0])
+def _fit(objective: Objective, rounds: int) -> Fit:
+    start = np.zeros(len(objective.parameters))
+    objective.weigh(None, shrinkage=SHRINKAGE, bent=False)
+    place, steps = _descended(objective, start, rounds), np.full(len(start), STEPS[0])
     for draws in SETTLINGS:
-        moments.weigh(place, shrinkage=SHRINKAGE)
-        slopes = moments.slopes(place, steps, draws)
-        place = _settled(moments, place, slopes)
-        steps = np.sqrt(np.diag(moments.covariance(slopes))).clip(*STEPS)
-    moments.weigh(place, shrinkage=SHRINKAGE)
-    covariance = moments.covariance(moments.slopes(place, steps, SETTLINGS[-1]))
-    before, after = moments.simulated(start), moments.simulated(place)
+        objective.weigh(place, shrinkage=SHRINKAGE)
+        slopes = objective.slopes(place, steps, draws)
+        place = _settled(objective, place, slopes)
+        steps = np.sqrt(np.diag(objective.covariance(slopes))).clip(*STEPS)
+    objective.weigh(place, shrinkage=SHRINKAGE)
+    covariance = objective.covariance(objective.slopes(place, steps, SETTLINGS[-1]))
+    before, after = objective.simulated(start), objective.simulated(place)
     return Fit(
         values={
             parameter.name: _fitted(parameter, float(coordinate), sqrt(float(variance)))
             for parameter, coordinate, variance in zip(
-                moments.parameters, place, np.diag(covariance), strict=True
+                objective.parameters, place, np.diag(covariance), strict=True
             )
         },
-        parameters=moments.parameters,
+        parameters=objective.parameters,
         covariance=covariance,
-        measured=moments.measured,
+        measured=objective.measured,
         before=before,
         after=after,
-        spread=moments.spread,
-        misfit_before=moments.misfit(before),
-        misfit_after=moments.misfit(after),
-        trials=moments.trials,
+        spread=objective.spread,
+        misfit_before=objective.misfit(before),
+        misfit_after=objective.misfit(after),
+        trials=objective.trials,
     )
 
 
-def _descended(moments: Moments, place: Floats, rounds: int) -> Floats:
+def _descended(objective: Objective, place: Floats, rounds: int) -> Floats:
     """Return where Gauss and Newton's steps from a place end, on one draw of the noise."""
     steps = np.full(len(place), STEPS[0])
     found = least_squares(
-        moments.residuals,
+        objective.residuals,
         place,
-        jac=lambda here: moments.jacobian(moments.slopes(here, steps)),
-        bounds=moments.ranges,
+        jac=lambda here: objective.jacobian(objective.slopes(here, steps)),
+        bounds=objective.ranges,
         max_nfev=rounds,
         xtol=1e-3,
         ftol=1e-3,
@@ -230,7 +230,7 @@ def _descended(moments: Moments, place: Floats, rounds: int) -> Floats:
     return np.asarray(found.x)
 
 
-def _settled(moments: Moments, place: Floats, slopes: tuple[Floats, Floats]) -> Floats:
+def _settled(objective: Objective, place: Floats, slopes: tuple[Floats, Floats]) -> Floats:
     """Return the mean of steps on fresh draws, which no draw's rough ground holds up.
 
     Stochastic approximation with averaging (B. T. Polyak, A. B. Juditsky, SIAM J. Control and
@@ -238,28 +238,28 @@ def _settled(moments: Moments, place: Floats, slopes: tuple[Floats, Floats]) -> 
     slopes mislead, as those of noise below a codec's coarsest step do, shorter steps are tried, and
     at last none.
     """
-    inverse = np.linalg.pinv(moments.jacobian(slopes)).astype(np.float64)
-    before = _cost(moments, place)
+    inverse = np.linalg.pinv(objective.jacobian(slopes)).astype(np.float64)
+    before = _cost(objective, place)
     for gain in GAINS:
-        mean = _wandered(moments, place, gain * inverse)
-        if _cost(moments, mean) < before:
+        mean = _wandered(objective, place, gain * inverse)
+        if _cost(objective, mean) < before:
             return mean
     return place
 
 
-def _wandered(moments: Moments, place: Floats, inverse: Floats) -> Floats:
+def _wandered(objective: Objective, place: Floats, inverse: Floats) -> Floats:
     visited = []
     for draw in range(1, DRAWS + 1):
-        step = inverse @ moments.residuals(place, draw)
-        place = (place - step / max(1.0, np.abs(step).max() / LONGEST)).clip(*moments.ranges)
+        step = inverse @ objective.residuals(place, draw)
+        place = (place - step / max(1.0, np.abs(step).max() / LONGEST)).clip(*objective.ranges)
         visited.append(place)
     return np.asarray(np.mean(visited[DRAWS // 3 :], axis=0))
 
 
-def _cost(moments: Moments, place: Floats) -> float:
+def _cost(objective: Objective, place: Floats) -> float:
     """Return the square of the residuals, of draws of the noise that no step was taken on."""
     draws = range(DRAWS + 1, DRAWS + 1 + JUDGES)
-    mean = np.mean([moments.residuals(place, draw) for draw in draws], axis=0)
+    mean = np.mean([objective.residuals(place, draw) for draw in draws], axis=0)
     return float(np.square(mean).sum())
 
 

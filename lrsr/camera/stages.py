@@ -15,10 +15,10 @@ from lrsr.images import linear_to_srgb
 
 if TYPE_CHECKING:
     from lrsr.camera.camera import Camera
-    from lrsr.rendering.bands import Spectrum
+    from lrsr.spectra import Spectrum
 
 
-def walk(
+def show_stages(
     camera: "Camera",
     linear: torch.Tensor,
     metered: torch.Tensor,

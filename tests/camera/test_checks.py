@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lrsr.camera.contract import check_light, check_origin, check_setting
+from lrsr.camera.checks import check_light, check_origin, check_setting
 from lrsr.errors import ImageContractError, InputError
 
 

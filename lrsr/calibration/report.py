@@ -11,12 +11,11 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lrsr.camera.fitting import Fit
-from lrsr.camera.statistics import BENT_NAMES, RANGES, RINGS
-from lrsr.experiments.real_pictures import RealPictures
-from lrsr.experiments.report.figures import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes
-from lrsr.experiments.report.page import FILE, template
+from lrsr.calibration.fit import Fit
+from lrsr.calibration.picture_statistics import BENT_NAMES, RANGES, RINGS
+from lrsr.calibration.real_pictures import RealPictures
 from lrsr.files import write_bytes, write_text
+from lrsr.pages import COLOURS, DPI, FILE, STYLE, data_uri, encode_face, png_bytes, template
 from lrsr.provenance import versions
 
 SHOWN = 8

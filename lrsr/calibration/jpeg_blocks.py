@@ -18,10 +18,10 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from lrsr.camera.contract import check_light
-from lrsr.camera.cosines import cosine_transform
+from lrsr.camera.checks import check_light
 from lrsr.camera.jpeg_tables import BLOCK_PX, luminance_table
 from lrsr.camera.processing import luminance
+from lrsr.camera.soft_jpeg import cosine_transform
 from lrsr.errors import ImageContractError
 
 ROUNDING = 0.4

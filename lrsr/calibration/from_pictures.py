@@ -10,22 +10,22 @@ from typing import TYPE_CHECKING, Any
 import torch
 from tqdm import tqdm
 
+from lrsr.calibration.compression import CompressionEstimate, estimate_compression
+from lrsr.calibration.fit import Fit, expected_trials, fit_camera
+from lrsr.calibration.objective import LEAST_IMAGES
+from lrsr.calibration.parameters import starting_from, with_jpeg, with_values
+from lrsr.calibration.picture_statistics import BENT_NAMES as STATISTICS
+from lrsr.calibration.picture_statistics import crop, lens_blur_px
+from lrsr.calibration.real_pictures import RealPictures, read_real_pictures
+from lrsr.calibration.report import write_fit_report
+from lrsr.calibration.strangers import Strangers, camera_of
 from lrsr.camera.camera import Camera
-from lrsr.camera.compression_estimate import CompressionEstimate, estimate_compression
-from lrsr.camera.fitting import Fit, expected_trials, fit_camera
-from lrsr.camera.moments import LEAST_IMAGES
-from lrsr.camera.parameters import starting_from, with_jpeg, with_values
-from lrsr.camera.statistics import BENT_NAMES as STATISTICS
-from lrsr.camera.statistics import crop, lens_blur_px
 from lrsr.configuration import number, require, section, whole_number
 from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker, mitsuba_maker
 from lrsr.data.probes import filmed, load_radiances, render_missing
 from lrsr.data.recipe import ProbeRecipe
-from lrsr.experiments.fit_report import write_fit_report
-from lrsr.experiments.real_pictures import RealPictures, read_real_pictures
 from lrsr.experiments.settings import IdentityRange, RenderingSettings
-from lrsr.experiments.strangers import Strangers, camera_of
 from lrsr.files import write_json, write_text
 from lrsr.rendering.geometry import FRAME_IPDS
 from lrsr.rendering.radiance import Radiance

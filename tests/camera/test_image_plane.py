@@ -5,7 +5,7 @@ import pytest
 import torch
 from scipy.spatial.transform import Rotation
 
-from lrsr.camera.field import mm_to_pixels, pixel_grid, pixels_to_mm, read_field, turn
+from lrsr.camera.image_plane import mm_to_pixels, pixel_grid, pixels_to_mm, read_field, turn
 from lrsr.errors import InputError
 
 CENTRE = torch.tensor([1.2, -0.8], dtype=torch.float64)
