@@ -77,7 +77,7 @@ def number(config: "DictConfig", key: str) -> float:
     Raises:
         InputError: It is none.
     """
-    return asas_number(config[key], key)
+    return as_number(config[key], key)
 
 
 def whole_number(config: "DictConfig", key: str) -> int:
@@ -86,7 +86,7 @@ def whole_number(config: "DictConfig", key: str) -> int:
     Raises:
         InputError: It is none.
     """
-    return asas_whole(config[key], key)
+    return as_whole(config[key], key)
 
 
 def seed_of(config: "DictConfig") -> int:

@@ -3,7 +3,7 @@
 import logging
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,23 +20,19 @@ from lrsr.calibration.real_pictures import RealPictures, read_real_pictures
 from lrsr.calibration.report import write_fit_report
 from lrsr.calibration.strangers import Strangers, camera_of
 from lrsr.camera.camera import Camera
-from lrsr.configuration import number, require, section, whole_number
-from lrsr.data.cache import RenderCache
-from lrsr.data.maker import Maker, mitsuba_maker
-from lrsr.data.probes import filmed, load_radiances, render_missing
-from lrsr.data.recipe import ProbeRecipe
-from lrsr.experiments.settings import IdentityRange, RenderingSettings
+from lrsr.configuration import number, require, seed_of, whole_number
 from lrsr.files import write_json, write_text
+from lrsr.identities.roster import IdentityRange
+from lrsr.paths import user_path
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.maker import Maker
+from lrsr.pictures.render import filmed, load_radiances, render_missing
+from lrsr.pictures.sitting import Sitting, read_people, read_quality, read_scene
 from lrsr.rendering.geometry import FRAME_IPDS
-from lrsr.rendering.radiance import Radiance
+from lrsr.rendering.scene import Film, Quality, Scene
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
-
-    from lrsr.identities.face.expression import Expression
-    from lrsr.rendering.lens import Lens
-    from lrsr.rendering.scene import Lighting, Pose
-    from lrsr.rendering.standpoint import Standpoint
 
 logger = logging.getLogger(__name__)
 
@@ -48,18 +44,14 @@ class FitSettings:
     Attributes:
         images: Folder of the pictures.
         preset: Plain mapping of the camera that the search starts from; what is not fitted stays.
+        people: The strangers that are rendered, 20 or more.
+        scene: Of the strangers, as far as known of the people in the pictures.
+        quality: How well a film of 8 px is rendered.
         name: Of the new preset.
-        identities: The strangers that are rendered, 20 or more.
-        rendering: How light becomes a film.
         ipd_px: Of the pictures, px; None: a quarter of their width.
         part: Share of the sides that counts, about the middle.
         rounds: Steps at most of the search's first, coarse part.
         seed: Of samplers and noise.
-        pose: Of the strangers, as far as known of the people in the pictures.
-        lighting: The same.
-        expression: The same.
-        lens: The same.
-        standpoint: The same.
 
     Raises:
         InputError: A value is out of range.
@@ -67,25 +59,19 @@ class FitSettings:
 
     images: Path
     preset: Mapping[str, Any]
+    people: IdentityRange
+    scene: Scene
+    quality: Quality
     name: str = "fitted"
-    identities: IdentityRange = field(
-        default_factory=lambda: IdentityRange(split="train", count=200)
-    )
-    rendering: RenderingSettings = field(default_factory=RenderingSettings)
     ipd_px: float | None = None
     part: float = 0.75
     rounds: int = 12
     seed: int = 0
-    pose: "str | Pose" = "frontal"
-    lighting: "str | Lighting" = "frontal"
-    expression: "str | Expression" = "neutral"
-    lens: "str | Lens" = "pinhole"
-    standpoint: "str | Standpoint" = "level"
 
     def __post_init__(self) -> None:
         plain = re.fullmatch(r"\w[\w-]*", self.name) is not None
         require(plain, "name", self.name, "letters, digits, _ and -")
-        count = self.identities.count
+        count = self.people.count
         require(count >= LEAST_IMAGES, "identities.count", count, f"at least {LEAST_IMAGES}")
         require(self.rounds >= 1, "rounds", self.rounds, "at least 1")
         require(0 < self.part <= 1, "part", self.part, "a share > 0 to 1")
@@ -99,22 +85,20 @@ def fit_settings(config: "DictConfig") -> FitSettings:
     Raises:
         InputError: A value is out of range; the message names the setting and the remedy.
     """
-    from hydra.utils import instantiate  # loaded by then
     from omegaconf import OmegaConf
 
     preset = OmegaConf.to_container(config.camera, resolve=True)
-    groups = ("pose", "lighting", "expression", "lens", "standpoint")
     return FitSettings(
-        images=Path(str(config.images)).expanduser().resolve(),
+        images=user_path(config.images),
         preset={str(key): value for key, value in dict(preset).items()},  # type: ignore[arg-type]
+        people=read_people(config),
+        scene=read_scene(config),
+        quality=read_quality(config),
         name=str(config.name),
-        identities=section(IdentityRange, config, "identities"),
-        rendering=section(RenderingSettings, config, "rendering"),
         ipd_px=None if config.ipd_px is None else number(config, "ipd_px"),
         part=number(config, "part"),
         rounds=whole_number(config, "rounds"),
-        seed=whole_number(config, "seed"),
-        **{group: instantiate(config[group]) for group in groups},
+        seed=seed_of(config),
     )
 
 
@@ -122,7 +106,7 @@ def fit_to_folder(
     settings: FitSettings,
     folder: Path,
     *,
-    cache: Path,
+    cache: RenderCache,
     maker: Maker | None = None,
     progress: bool = True,
 ) -> Path:
@@ -131,7 +115,7 @@ def fit_to_folder(
     Args:
         settings: What is asked.
         folder: Of the run.
-        cache: Folder of the render cache.
+        cache: Where renderings are kept.
         maker: Renders the strangers; Mitsuba when None.
         progress: Show a bar on stderr.
 
@@ -214,38 +198,23 @@ def _render(
     settings: FitSettings,
     real: RealPictures,
     finer: int,
-    cache: Path,
+    cache: RenderCache,
     maker: Maker | None,
     progress: bool,
 ) -> Strangers:
     """Render who is not in the cache yet, and cut the films to the pictures' size."""
-    maker, store = maker or mitsuba_maker(), RenderCache(cache)
-    camera, people = Camera(supersampling=finer), settings.identities
-    ipd_px = settings.ipd_px or max(4.0, real.size_px[1] / FRAME_IPDS)
-    recipes = [
-        filmed(
-            ProbeRecipe(
-                split=people.split,  # type: ignore[arg-type]  # checked there
-                index=index,
-                pose=settings.pose,
-                lighting=settings.lighting,
-                expression=settings.expression,
-                lens=settings.lens,
-                standpoint=settings.standpoint,
-                ipd_px=ipd_px,
-                samples_per_pixel=settings.rendering.samples_at(ipd_px),
-                texture_size=settings.rendering.texture_size,
-                skin=settings.rendering.skin,
-                max_depth=settings.rendering.max_depth,
-                population=people.cast.population,
-                draw=people.cast.draw(people.split, index),
-            ).seeded(settings.seed),
-            camera,
-        )
-        for index in range(people.start, people.start + people.count)
-    ]
-    render_missing(recipes, store, progress=progress, maker=maker)
-    radiances: list[Radiance] = load_radiances(recipes, store, progress=progress, maker=maker)
+    camera = Camera(supersampling=finer)
+    film = Film(settings.ipd_px or max(4.0, real.size_px[1] / FRAME_IPDS))
+    sitting = Sitting(
+        people=settings.people,
+        scene=settings.scene,
+        film=film,
+        quality=settings.quality.at(film.ipd_px),
+        seed=settings.seed,
+    )
+    recipes = [filmed(recipe, camera) for recipe in sitting.recipes()]
+    render_missing(recipes, cache, progress=progress, maker=maker)
+    radiances = load_radiances(recipes, cache, progress=progress, maker=maker)
     linear = torch.stack([radiance.image for radiance in radiances])
     metered = torch.tensor([radiance.metered for radiance in radiances])
     return Strangers(linear, metered, finer, settings.seed).cropped(real.size_px)

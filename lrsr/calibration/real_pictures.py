@@ -8,12 +8,11 @@ from pathlib import Path
 import torch
 
 from lrsr.camera.jpeg_tables import BLOCK_PX, read_jpeg_settings
-from lrsr.data.png import read_png
 from lrsr.errors import InputError
+from lrsr.pictures.image_files import SUFFIXES, read_image
 
 LEAST_PX, MOST_PX = 2 * BLOCK_PX, 256
 """Of a side: fewer hold no whole block, more are no small faces (200 films of them fill memory)."""
-SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ def read_real_pictures(folder: Path, least: int) -> RealPictures:
             f"images={folder} holds {len(files)} pictures: give at least {least}, better 50, of "
             "different people"
         )
-    pictures = {file: read_png(file) for file in files}
+    pictures = {file: read_image(file) for file in files}
     _check_sizes(pictures)
     if all(bool((picture == picture[:1]).all()) for picture in pictures.values()):
         raise InputError(

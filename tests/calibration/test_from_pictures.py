@@ -11,8 +11,6 @@ import pytest
 import torch
 from fakes.painted import PaintedMaker
 from hydra.utils import instantiate
-from lrsr.data.png import write_png
-from lrsr.experiments.settings import IdentityRange, RenderingSettings
 from omegaconf import OmegaConf
 
 from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
@@ -22,7 +20,16 @@ from lrsr.calibration.report import NOT_DONE
 from lrsr.calibration.strangers import Strangers
 from lrsr.camera.codec import jpeg
 from lrsr.errors import ImageContractError, InputError
+from lrsr.identities.person import Person
+from lrsr.identities.roster import IdentityRange
 from lrsr.paths import config_folder
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.image_files import write_png
+from lrsr.pictures.recipe import Recipe
+from lrsr.presets import preset
+from lrsr.rendering.scene import Film, Quality, Scene
+
+FRONTAL = Scene(preset("lighting", "frontal"))
 
 HIDDEN = {
     "blur_px": 1.0,
@@ -45,10 +52,8 @@ def plain(path: Path) -> dict[str, Any]:
 
 def films(indices: range) -> Strangers:
     """Return painted people of the test split, whom the fit does not see."""
-    from lrsr.data.recipe import ProbeRecipe
-
-    maker = PaintedMaker()
-    recipes = [ProbeRecipe(split="test", index=k, scale=2, seed=k) for k in indices]
+    maker, film, quality = PaintedMaker(), Film(scale=2), Quality()
+    recipes = [Recipe(Person("test", k), FRONTAL, film, quality, seed=k) for k in indices]
     light = torch.stack([maker.render(maker.head(one), one).image for one in recipes])
     return Strangers(light, torch.ones(len(light)), 2, seed=500)
 
@@ -59,8 +64,9 @@ def settings(images: Path, **changes: Any) -> FitSettings:
             images=images,
             preset=plain(config_folder() / "camera" / "generic.yaml"),
             name="lobby",
-            identities=IdentityRange(split="train", count=40),
-            rendering=RenderingSettings(samples_per_pixel=4, texture_size=8),
+            people=IdentityRange(split="train", count=40),
+            scene=FRONTAL,
+            quality=Quality(samples_per_pixel=4, texture_size=64),
             part=1.0,
             rounds=2,
         ),
@@ -70,8 +76,8 @@ def settings(images: Path, **changes: Any) -> FitSettings:
 
 @pytest.fixture(scope="module")
 def hidden() -> Mapping[str, Any]:
-    preset = plain(config_folder() / "camera" / "generic.yaml")
-    return with_jpeg(with_values(preset, HIDDEN), 80, "4:2:0", (3, 5))
+    generic = plain(config_folder() / "camera" / "generic.yaml")
+    return with_jpeg(with_values(generic, HIDDEN), 80, "4:2:0", (3, 5))
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +92,7 @@ def images(tmp_path_factory: pytest.TempPathFactory, hidden: Mapping[str, Any]) 
 def folder(tmp_path_factory: pytest.TempPathFactory, images: Path) -> Path:
     run = tmp_path_factory.mktemp("run")
     return fit_to_folder(
-        settings(images), run, cache=run / "cache", maker=PaintedMaker(), progress=False
+        settings(images), run, cache=RenderCache(run / "cache"), maker=PaintedMaker(), progress=False
     )
 
 
@@ -152,7 +158,7 @@ def test_what_cannot_be_fitted_is_refused_before_anything_is_rendered(
         fit_to_folder(
             settings(images, **changes),
             tmp_path,
-            cache=tmp_path / "cache",
+            cache=RenderCache(tmp_path / "cache"),
             maker=NoMaker(),
             progress=False,
         )
