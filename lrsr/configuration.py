@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from difflib import get_close_matches
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -105,9 +106,10 @@ def as_number(value: object, name: str) -> float:
         >>> as_number(8, "ipd_px")
         8.0
     """
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise InputError(f"{name}={value}: wanted a number")
-    return float(value)
+    with suppress(OverflowError):  # of a whole number of 310 digits
+        if not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value):
+            return float(value)
+    raise InputError(f"{name}={value}: wanted a number")
 
 
 def as_whole(value: object, name: str) -> int:
@@ -141,7 +143,14 @@ def settle_numbers(instance: object, group: str, *fields: str) -> None:
         object.__setattr__(instance, field, settled)
 
 
-_PLAIN = {"pose": "frontal", "lighting": "frontal", "lens": "pinhole", "standpoint": "level"}
+_PLAIN = {
+    "pose": "frontal",
+    "lighting": "frontal",
+    "lens": "pinhole",
+    "standpoint": "level",
+    "expression": "neutral",
+    "rendering/skin": "reflective",
+}
 """What a mapping without ``_target_`` changes."""
 
 
@@ -187,7 +196,9 @@ def value_of(group: str, node: Any) -> Any:
     """
     if isinstance(node, str):
         return preset(group, node)
-    if isinstance(node, Mapping) and "_target_" not in node and group in _PLAIN:
+    if not isinstance(node, Mapping):
+        raise InputError(f"{group}={node}: wanted a name, or the fields of one's own")
+    if "_target_" not in node and group in _PLAIN:
         return preset(group, _PLAIN[group], **{"name": "own", **node})
     return build(node, group)
 
@@ -196,13 +207,18 @@ def build(node: Any, name: str, **more: Any) -> Any:
     """Call what a node's ``_target_`` names; ``name`` is what messages call the node.
 
     Raises:
-        InputError: The node has a field that its target does not take, or a value is wrong.
+        InputError: A field is missing or unknown to its target, or a value is wrong.
+        InstantiationException: The target cannot be found, or is at fault itself.
     """
     from hydra.errors import InstantiationException
     from hydra.utils import instantiate
+    from omegaconf.errors import MissingMandatoryValue
 
     try:
         return instantiate(node, **more)
+    except MissingMandatoryValue as error:
+        field = f"{name}.{str(error.full_key).removeprefix(f'{name}.')}"
+        raise InputError(f"{field} must be given: add {field}=...") from error
     except InstantiationException as error:
         cause = error.__cause__
         if isinstance(cause, InputError):
