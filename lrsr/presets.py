@@ -7,7 +7,14 @@ from typing import Any
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
 
-_PLAIN = {"pose": "frontal", "lighting": "frontal", "lens": "pinhole", "standpoint": "level"}
+_PLAIN = {
+    "pose": "frontal",
+    "lighting": "frontal",
+    "lens": "pinhole",
+    "standpoint": "level",
+    "expression": "neutral",
+    "rendering/skin": "reflective",
+}
 """What a mapping without ``_target_`` changes."""
 
 
@@ -58,7 +65,9 @@ def value_of(group: str, node: Any) -> Any:
     """
     if isinstance(node, str):
         return preset(group, node)
-    if isinstance(node, Mapping) and "_target_" not in node and group in _PLAIN:
+    if not isinstance(node, Mapping):
+        raise InputError(f"{group}={node}: wanted a name, or the fields of one's own")
+    if "_target_" not in node and group in _PLAIN:
         return preset(group, _PLAIN[group], **{"name": "own", **node})
     return build(node, group)
 
@@ -67,13 +76,18 @@ def build(node: Any, name: str, **more: Any) -> Any:
     """Call what a node's ``_target_`` names; ``name`` is what messages call the node.
 
     Raises:
-        InputError: The node has a field that its target does not take, or a value is wrong.
+        InputError: A field is missing or unknown to its target, or a value is wrong.
+        InstantiationException: The target cannot be found, or is at fault itself.
     """
     from hydra.errors import InstantiationException
     from hydra.utils import instantiate
+    from omegaconf.errors import MissingMandatoryValue
 
     try:
         return instantiate(node, **more)
+    except MissingMandatoryValue as error:
+        field = f"{name}.{str(error.full_key).removeprefix(f'{name}.')}"
+        raise InputError(f"{field} must be given: add {field}=...") from error
     except InstantiationException as error:
         cause = error.__cause__
         if isinstance(cause, InputError):

@@ -42,7 +42,7 @@ class Sitting:
 
     def __post_init__(self) -> None:
         require(self.kind in KINDS, "kind", self.kind, f"one of {', '.join(KINDS)}")
-        as_whole(self.seed, "seed")
+        object.__setattr__(self, "seed", as_whole(self.seed, "seed"))
         require(0 <= self.seed <= LARGEST_SEED, "seed", self.seed, f"0 to {LARGEST_SEED}")
 
     def recipes(self, scale: int = 1) -> list[Recipe]:

@@ -13,6 +13,7 @@ from lrsr.data.png import read_png, write_png
 from PIL import Image
 
 from lrsr.errors import InputError
+from lrsr.pictures.image_files import SUFFIXES, read_image, write_png
 
 
 def picture(levels: int) -> torch.Tensor:
@@ -23,7 +24,7 @@ def picture(levels: int) -> torch.Tensor:
 @pytest.mark.parametrize(("bits", "levels"), [(8, 255), (16, 65535)])
 def test_a_picture_comes_back_bit_for_bit(tmp_path: Path, bits: int, levels: int) -> None:
     write_png(tmp_path / "a.png", picture(levels), bits=bits)
-    back = read_png(tmp_path / "a.png")
+    back = read_image(tmp_path / "a.png")
     assert back.dtype == torch.float32
     assert torch.equal((back * levels).round(), (picture(levels) * levels).round())
 
@@ -37,12 +38,38 @@ def test_red_is_red_to_others(tmp_path: Path) -> None:
 
 def test_rows_are_rows(tmp_path: Path) -> None:
     Image.fromarray(np.arange(6, dtype=np.uint8).reshape(2, 3)).save(tmp_path / "a.png")
-    assert (read_png(tmp_path / "a.png")[0] * 255).tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert (read_image(tmp_path / "a.png")[0] * 255).tolist() == [[0, 1, 2], [3, 4, 5]]
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_every_kind_of_file_that_is_taken_for_a_picture_can_be_read(
+    tmp_path: Path, suffix: str
+) -> None:
+    shades = np.linspace(40, 220, 16, dtype=np.uint8)
+    rgb = np.stack([np.tile(shades, (16, 1)), np.tile(shades[:, None], (1, 16))] * 2, -1)[..., :3]
+    Image.fromarray(rgb).save(tmp_path / f"a{suffix}", **({"quality": 95} if "j" in suffix else {}))
+    seen = read_image(tmp_path / f"a{suffix}").permute(1, 2, 0).numpy() * 255
+    assert np.abs(seen - rgb).mean() < 6
+
+
+def test_a_picture_is_turned_as_its_exif_says(tmp_path: Path) -> None:
+    """Telephones store portraits lying on their side."""
+    lying = Image.fromarray(np.tile(np.array([[0], [255]], np.uint8), (8, 32)))
+    exif = Image.Exif()
+    exif[0x0112] = 6  # Orientation: turn right by 90°
+    lying.save(tmp_path / "a.jpg", exif=exif)
+    assert read_image(tmp_path / "a.jpg").shape == (3, 32, 16)
+
+
+def test_grey_becomes_three_channels_and_opacity_is_left_out(tmp_path: Path) -> None:
+    for mode, name in (("L", "grey.png"), ("RGBA", "glass.png")):
+        Image.new(mode, (4, 3), 128 if mode == "L" else (128, 128, 128, 7)).save(tmp_path / name)
+        assert read_image(tmp_path / name).mul(255).unique().tolist() == [128.0]
 
 
 def test_what_lies_outside_is_clipped(tmp_path: Path) -> None:
     write_png(tmp_path / "a.png", torch.tensor([-1.0, 0.5, 2.0])[:, None, None])
-    assert (read_png(tmp_path / "a.png") * 255).flatten().tolist() == [0, 128, 255]
+    assert (read_image(tmp_path / "a.png") * 255).flatten().tolist() == [0, 128, 255]
 
 
 @pytest.mark.parametrize("content", [b"", b"no picture", None], ids=["empty", "text", "half"])
@@ -51,12 +78,12 @@ def test_a_broken_picture_is_named(tmp_path: Path, content: bytes | None) -> Non
     write_png(path, picture(255))
     path.write_bytes(path.read_bytes()[:40] if content is None else content)
     with pytest.raises(InputError, match=r"a\.png is no picture, or a broken one: make it again"):
-        read_png(path)
+        read_image(path)
 
 
 def test_a_missing_picture_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"cannot read .*a\.png: No such file or directory"):
-        read_png(tmp_path / "a.png")
+        read_image(tmp_path / "a.png")
 
 
 def test_only_8_and_16_bits(tmp_path: Path) -> None:
@@ -82,4 +109,4 @@ def test_more_pixels_than_can_be_read_are_one_line(tmp_path: Path) -> None:
         file += struct.pack(">I", len(content)) + kind + content + struct.pack(">I", check)
     (tmp_path / "huge.png").write_bytes(file)
     with pytest.raises(InputError, match=r"cannot read .*huge\.png: .*; make it smaller"):
-        read_png(tmp_path / "huge.png")
+        read_image(tmp_path / "huge.png")
