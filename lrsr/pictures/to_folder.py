@@ -13,7 +13,7 @@ from lrsr.camera import Camera
 from lrsr.camera.exposure import expose
 from lrsr.camera.optics import bin_pixels
 from lrsr.errors import InputError
-from lrsr.files import sweep
+from lrsr.files import locked, sweep
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import MANIFEST, Entry, about, read_manifest, write_manifest
 from lrsr.pictures.image_files import write_png
@@ -116,8 +116,9 @@ def render_to_folder(
     maker = maker or mitsuba_maker()
     _earlier(settings.out)  # refuses a broken manifest before any work
     written = {row.file: row for row in _write_pictures(settings, cache, progress, maker)}
-    rows = {row.file: row for row in _earlier(settings.out)}
-    return write_manifest(settings.out, (rows | written).values())
+    with locked(settings.out):  # another process may write its rows
+        rows = {row.file: row for row in _earlier(settings.out)}
+        return write_manifest(settings.out, (rows | written).values())
 
 
 def _write_pictures(
