@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from fakes.painted import PaintedMaker
-from lrsr.identities.uniqueness import Drawn
+from lrsr.evaluation.distinctness import Drawn
 
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import RECIPE_VERSION
