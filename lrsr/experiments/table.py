@@ -7,16 +7,17 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.evaluation.biometrics import (
+from lrsr.evaluation.delong import compare_aucs, estimate_auc
+from lrsr.evaluation.rates import (
     OperatingPoint,
     cmc,
     d_prime,
     equal_error_rate,
     fnmr_at_fmr,
 )
-from lrsr.evaluation.delong import compare_aucs, estimate_auc
+from lrsr.evaluation.roc import trace_roc
+from lrsr.evaluation.scores import Scores
 from lrsr.experiments.settings import Condition
-from lrsr.recognition.scores import Scores
 
 BICUBIC_OF = {"srcnn2": "bicubic2", "srcnn2x2": "bicubic4", "srcnn4": "bicubic4"}
 """What each learned method must beat: the bicubic enlargement by the same factor."""
@@ -150,7 +151,7 @@ def make_row(
         n_impostor=area.n_impostor,
         psnr_y_db=_finite(psnr_y_db),
         fta=scores.fta,
-        eer=equal_error_rate(genuine, impostor).eer,
+        eer=equal_error_rate(trace_roc(genuine, impostor)),
         d_prime=d_prime(genuine, impostor),
         rank_1=cmc(scores, max_rank=1).rank_1,
         fnmr=tuple(fnmr_at_fmr(genuine, impostor, fmr, level) for fmr in TARGET_FMRS),

@@ -19,11 +19,11 @@ from lrsr.data.cache import RenderCache
 from lrsr.data.maker import Maker
 from lrsr.data.probes import Probe, ProbeRecipe, filmed, load_probes, render_missing, stack
 from lrsr.evaluation.quality import psnr_y
+from lrsr.evaluation.scores import Scores
 from lrsr.experiments.settings import Condition, VerificationSettings
 from lrsr.experiments.table import Comparison, Row, compare_methods, make_row, mean_psnr_db
 from lrsr.images import scale_points
 from lrsr.recognition.engine import Engine, cosine_scores
-from lrsr.recognition.scores import Scores
 from lrsr.sr.upscaling import Upscaler
 
 SHOWN = 6

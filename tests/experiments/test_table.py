@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from sklearn.metrics import roc_auc_score
 
+from lrsr.evaluation.scores import Scores
 from lrsr.experiments.settings import Condition
 from lrsr.experiments.table import compare_methods, make_row, mean_psnr_db
-from lrsr.recognition.scores import Scores
 
 CONDITION = Condition(4, 8.0, "down", "frontal", "heavy")
 PEOPLE = [f"test-{index:05d}" for index in range(40)]
