@@ -50,7 +50,7 @@ class Report:
         rows: Lines of the table, as in ``results.json``: option, method, label, auc, std, low,
             high, n_genuine, n_impostor and, where known, level, logit_low, logit_high, psnr_y_db,
             fta, eer, d_prime, rank_1, ipd_px, fnmr (of
-            :class:`~lrsr.evaluation.biometrics.OperatingPoint` or dicts of its fields).
+            :class:`~lrsr.evaluation.rates.OperatingPoint` or dicts of its fields).
         comparisons: Paired tests: option, method, against, difference, p and, where known, log10_p,
             low, high, ipd_px.
         panels: Curves and contact sheet of each condition.

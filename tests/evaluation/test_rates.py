@@ -1,25 +1,31 @@
-"""Tests of lrsr/evaluation/biometrics.py."""
+"""Tests of lrsr.evaluation.rates.py."""
 
 import json
 import math
+from dataclasses import asdict
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 from oracles import auc as oracle
 from scipy.special import ndtr, ndtri
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.biometrics import (
+from lrsr.evaluation.rates import (
+    Highest,
+    Moments,
+    Ranker,
     cmc,
     d_prime,
     equal_error_rate,
     fnmr_at_fmr,
-    rank_probes,
+    operating_point,
 )
-from lrsr.recognition.scores import Scores
+from lrsr.evaluation.roc import trace_roc
+from lrsr.evaluation.scores import Scores
 
 NAN = float("nan")
 score_lists = st.lists(st.integers(-6, 6), min_size=1, max_size=20)
@@ -28,6 +34,15 @@ score_lists = st.lists(st.integers(-6, 6), min_size=1, max_size=20)
 def binormal(m: int = 200, n: int = 20_000, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     return rng.normal(2, 1, m), rng.normal(0, 1, n)
+
+
+def eer(genuine: ArrayLike, impostor: ArrayLike) -> float:
+    return equal_error_rate(trace_roc(genuine, impostor))
+
+
+def rank_probes(scores: Scores, rows: int = 2) -> np.ndarray:
+    ranker = Ranker(scores)
+    return np.concatenate([ranker.rank(tile) for tile in scores.tiles(rows)])
 
 
 # FNMR at a stated FMR.
@@ -70,7 +85,7 @@ def test_fewer_than_ten_expected_false_matches_are_flagged(n: int, few: bool) ->
 
 def test_an_fmr_of_one_accepts_all() -> None:
     point = fnmr_at_fmr([-9.0], [0.0], 1)
-    assert (point.fmr, point.fnmr, point.as_json()["threshold"]) == (1, 0, None)
+    assert (point.fmr, point.fnmr, point.threshold) == (1, 0, None)
 
 
 def test_an_fmr_of_zero_refuses_every_impostor_score() -> None:
@@ -86,7 +101,7 @@ def test_operating_point_carries_wilsons_interval() -> None:
 
 def test_operating_point_goes_to_json() -> None:
     point = fnmr_at_fmr(*binormal(), 0.01)
-    assert json.loads(json.dumps(point.as_json(), allow_nan=False))["fmr"] == 0.01
+    assert json.loads(json.dumps(asdict(point), allow_nan=False))["fmr"] == 0.01
 
 
 @pytest.mark.parametrize("target", [-0.1, 1.1, NAN])
@@ -110,13 +125,33 @@ def test_an_operating_point_of_broken_scores_is_refused(
         fnmr_at_fmr(genuine, impostor, 0.1)
 
 
+@pytest.mark.parametrize("target", [0.0, 0.001, 0.3, 0.999, 1.0])
+@pytest.mark.parametrize("parts", [1, 7, 400])
+def test_the_highest_scores_are_enough_for_an_operating_point(target: float, parts: int) -> None:
+    genuine, impostor = (x.round(2) for x in binormal(50, 3000))
+    highest = Highest(min(3000, int(target * 3000) + 1), impostor.dtype)
+    for part in np.array_split(impostor, parts):
+        highest.add(part)
+    found = operating_point(genuine, highest.scores(), impostor.size, target)
+    assert found == fnmr_at_fmr(genuine, impostor, target)
+
+
+@pytest.mark.parametrize("count", [1, 10, 999, 1000])
+def test_the_highest_scores_are_those_at_the_end_of_the_sorted_ones(count: int) -> None:
+    scores = np.random.default_rng(count).integers(0, 300, 1000)
+    highest = Highest(count, scores.dtype)
+    for part in np.split(scores, [3, 3, 500, 980]):
+        highest.add(part)
+    assert np.sort(highest.scores())[-count:].tolist() == np.sort(scores)[-count:].tolist()
+
+
 # Equal error rate.
 
 
 def test_equal_error_rate_of_two_normals_is_the_tail_between_them() -> None:
     quantiles = (np.arange(2000) + 0.5) / 2000
     scores = ndtri(quantiles)
-    assert equal_error_rate(scores + 2, scores).eer == pytest.approx(ndtr(-1), abs=1e-3)
+    assert eer(scores + 2, scores) == pytest.approx(ndtr(-1), abs=1e-3)
 
 
 @given(genuine=score_lists, impostor=score_lists)
@@ -127,54 +162,27 @@ def test_equal_error_rate_lies_within_a_step_of_the_fvc_rule(
     points = [(f, 1 - t) for f, t in oracle.operating_points(genuine, impostor)]
     before = [point for point in points if point[0] <= point[1]][-1]
     after = next(point for point in points if point[0] >= point[1])
-    steps = equal_error_rate(genuine, impostor)
+    steps = eer(genuine, impostor)
     low, high = sorted(before if sum(before) <= sum(after) else after)
-    assert float(low) - 1e-12 <= steps.eer <= float(high) + 1e-12
-
-
-@given(genuine=score_lists, impostor=score_lists)
-@settings(deadline=None, max_examples=40)
-def test_without_ties_the_hull_is_never_worse_than_the_steps(
-    genuine: list[int], impostor: list[int]
-) -> None:
-    between = [score + 0.5 for score in impostor]
-    hull = equal_error_rate(genuine, between, "hull")
-    assert hull.eer <= equal_error_rate(genuine, between, "steps").eer + 1e-12
-    assert hull.eer <= 0.5
-
-
-def test_the_hull_of_two_points_is_met_half_way() -> None:
-    # One threshold: FMR 0, FNMR 1/2. The hull from (0, 1/2) to (1, 1) meets 1 - fmr at 1/3.
-    assert equal_error_rate([0, 2], [0, 1], "hull").eer == pytest.approx(1 / 3)
+    assert float(low) - 1e-12 <= steps <= float(high) + 1e-12
 
 
 def test_a_jump_of_both_rates_takes_the_side_with_less_error() -> None:
     # At t = 1 FMR 2/3, FNMR 0; above it FMR 0, FNMR 1/2: the sum is less above.
-    assert equal_error_rate([1, 2], [0, 1, 1]).eer == 0.25
+    assert eer([1, 2], [0, 1, 1]) == 0.25
 
 
-@pytest.mark.parametrize("convention", ["steps", "hull"])
 @pytest.mark.parametrize(
-    ("genuine", "impostor", "eer"),
+    ("genuine", "impostor", "wanted"),
     [
         pytest.param([2, 3], [0, 1], 0, id="separated"),
         pytest.param([1, 1], [1, 1], 0.5, id="constant"),
     ],
 )
 def test_equal_error_rate_at_the_extremes(
-    genuine: list[int], impostor: list[int], eer: float, convention: str
+    genuine: list[int], impostor: list[int], wanted: float
 ) -> None:
-    assert equal_error_rate(genuine, impostor, convention).eer == eer  # type: ignore[arg-type] # a parameter
-
-
-def test_an_unknown_convention_is_refused() -> None:
-    with pytest.raises(ScoreError, match="'mean'"):
-        equal_error_rate([1.0], [0.0], "mean")  # type: ignore[arg-type] # on purpose
-
-
-def test_equal_error_rate_without_impostor_scores_is_refused() -> None:
-    with pytest.raises(ScoreError, match="0 impostor"):
-        equal_error_rate([1.0], [])
+    assert eer(genuine, impostor) == wanted
 
 
 # d'.
@@ -194,6 +202,17 @@ def test_d_prime_ignores_shift_and_scale() -> None:
 
 def test_d_prime_of_integers_is_that_of_floats() -> None:
     assert d_prime(np.int8([100, 120]), np.int8([-100, 0])) == d_prime([100.0, 120.0], [-100.0, 0])
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-6], ids=["wide", "narrow"])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_moments_of_parts_are_those_of_the_whole(dtype: type, scale: float) -> None:
+    scores = (1 + scale * np.random.default_rng(0).normal(size=10_000)).astype(dtype)
+    moments = Moments()
+    for part in np.split(scores, [0, 1, 700, 8000]):
+        moments.add(part.reshape(-1, 1))
+    assert moments.mean == pytest.approx(scores.mean(dtype=np.float64), rel=1e-14)
+    assert moments.variance == pytest.approx(scores.var(dtype=np.float64, ddof=1), rel=1e-11)
 
 
 def test_d_prime_without_spread_is_refused() -> None:
