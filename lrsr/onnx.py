@@ -19,7 +19,10 @@ from numpy.typing import NDArray
 
 from lrsr.errors import InputError
 
-CPU = ("CPUExecutionProvider",)
+_CPU = ("CPUExecutionProvider",)
+
+#: None: any size.
+Shape = tuple[int | None, ...]
 
 #: Tables of a contract; a field is given by its type, or by the value it has when left out.
 Fields = Mapping[str, Mapping[str, Any]]
@@ -30,14 +33,14 @@ log = logging.getLogger(__name__)
 def providers_on(device: str) -> tuple[str, ...]:
     """Return who computes: CUDA where it is asked for ("cuda") and there, else the CPU."""
     if not device.startswith("cuda"):
-        return CPU
+        return _CPU
     if "CUDAExecutionProvider" in importlib.import_module("onnxruntime").get_available_providers():
-        return ("CUDAExecutionProvider", *CPU)
+        return ("CUDAExecutionProvider", *_CPU)
     log.warning("device=%s: this onnxruntime has no CUDA, so its networks run on the CPU", device)
-    return CPU
+    return _CPU
 
 
-def open_session(model: Path, providers: Sequence[str] = CPU) -> Any:
+def open_session(model: Path, providers: Sequence[str] = _CPU) -> Any:
     """Open an ONNX file for running, on as many threads as torch has.
 
     Args:
@@ -102,11 +105,7 @@ def run_session(
 
 
 def check_graph(
-    session: Any,
-    model: Path,
-    what: str,
-    takes: tuple[tuple[int | None, ...], str],
-    returns: tuple[tuple[int | None, ...], str],
+    session: Any, model: Path, what: str, takes: Shape, returns: Shape, words: tuple[str, str]
 ) -> None:
     """Hold a graph against its contract.
 
@@ -114,8 +113,9 @@ def check_graph(
         session: Of :func:`open_session`.
         model: Its file, for messages.
         what: What it should be, for messages.
-        takes: Shape of the input, None where any size will do, and the contract's words for it.
+        takes: Shape of the input, None where any size will do.
         returns: The same of the output.
+        words: The contract's, for both.
 
     Raises:
         InputError: They disagree, or there is not one input and one output of floats.
@@ -125,13 +125,11 @@ def check_graph(
         raise InputError(
             f"{model}: has {len(inputs)} inputs and {len(outputs)} outputs; {what} has one of each"
         )
-    for verb, value, (shape, words) in (
-        ("takes", inputs[0], takes),
-        ("returns", outputs[0], returns),
-    ):
-        if value.type != "tensor(float)" or not _agree(value.shape, shape):
+    ends = zip(("takes", "returns"), (*inputs, *outputs), (takes, returns), words, strict=True)
+    for verb, end, shape, said in ends:
+        if end.type != "tensor(float)" or not _agree(end.shape, shape):
             raise InputError(
-                f"{model}: {verb} {value.type} {value.shape}, its contract says {words};"
+                f"{model}: {verb} {end.type} {end.shape}, its contract says {said};"
                 " mend the contract or give the model it was written for"
             )
 
@@ -222,10 +220,16 @@ def _checked(value: Any, name: str, wanted: Any, path: Path) -> object:
     return value
 
 
-def _agree(got: Sequence[object], wanted: Sequence[int | None]) -> bool:
-    """Tell whether a graph's shape (numbers, or names where it is free) can be the wanted one."""
+def _agree(got: Sequence[object], wanted: Shape) -> bool:
+    """Tell whether a graph's shape (numbers, or names where it is free) can be the wanted one.
+
+    Where a number is wanted and the graph leaves it free, it must leave all free but the batch:
+    otherwise the number stands elsewhere, and the graph is of the other layout.
+    """
+    free = not any(isinstance(size, int) for size in got[1:])
     return len(got) == len(wanted) and all(
-        w is None or not isinstance(g, int) or g == w for g, w in zip(got, wanted, strict=True)
+        w is None or g == w or (free and not isinstance(g, int))
+        for g, w in zip(got, wanted, strict=True)
     )
 
 

@@ -21,10 +21,8 @@ A height and width that the graph fixes are read from the graph; other pictures 
 tiles. A ``model.onnx`` of ``lrsr train`` carries all this and needs no contract.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from lrsr.errors import InputError
 from lrsr.onnx import Fields, contract_path, read_fields, sha256_of
@@ -44,18 +42,18 @@ _CHOICES = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Contract:
     """One network's declared contract; see the module for the meaning of each field."""
 
     sha256: str
-    licence: str
+    licence: str = ""
     source: str
     channels: str
-    layout: str
-    range: str
+    layout: str = "NCHW"
+    range: str = "0..1"
     enlarged: bool
-    multiple_of: int
+    multiple_of: int = 1
     scale: int
     lr_made_by: str
 
@@ -65,27 +63,16 @@ class Contract:
         return 255.0 if self.range == "0..255" else 1.0
 
     @property
-    def takes(self) -> tuple[tuple[int | None, ...], str]:
-        """Shape of a batch, None where any size will do, and words for it."""
+    def shape(self) -> tuple[int | None, ...]:
+        """Shape of a batch, None where any size will do."""
         channels = len(self.channels)
         nchw, nhwc = (None, channels, None, None), (None, None, None, channels)
-        shape = nchw if self.layout == "NCHW" else nhwc
-        return shape, f"float {self.layout} of {self.channels}"
+        return nchw if self.layout == "NCHW" else nhwc
 
-    def height_and_width(self, shape: Sequence[object], model: Path) -> Sequence[object]:
-        """Take height and width, numbers where they are fixed, out of the shape of the input.
-
-        Raises:
-            InputError: Something is fixed, but not the channels: it is of the other layout.
-        """
-        first = self.layout == "NCHW"
-        size, channels = (shape[2:], shape[1]) if first else (shape[1:3], shape[3])
-        if not isinstance(channels, int) and any(isinstance(side, int) for side in size):
-            raise InputError(
-                f"{model}: takes {shape}, its contract says {self.takes[1]};"
-                " mend the contract or give the model it was written for"
-            )
-        return size
+    @property
+    def words(self) -> str:
+        """What the network takes and returns, in words."""
+        return f"float {self.layout} of {self.channels}"
 
 
 def read_contract(model: Path, properties: dict[str, str]) -> Contract:
@@ -109,18 +96,11 @@ def read_contract(model: Path, properties: dict[str, str]) -> Contract:
         card = Card.from_text(properties)
     except InputError as error:
         raise InputError(f"{model} is not of lrsr train: {error}; export it again") from error
-    return Contract(sha256=sha256_of(model), **_of_card(card))
-
-
-def _of_card(card: Card) -> dict[str, Any]:
-    return {
-        "licence": "",
-        "source": card.architecture,
-        "channels": "Y" if card.input == "luminance" else "RGB",
-        "layout": "NCHW",
-        "range": "0..1",
-        "enlarged": bool(card.enlarged_by),
-        "multiple_of": 1,
-        "scale": card.scale,
-        "lr_made_by": card.lr_made_by,
-    }
+    return Contract(
+        sha256=sha256_of(model),
+        source=card.architecture,
+        channels="Y" if card.input == "luminance" else "RGB",
+        enlarged=bool(card.enlarged_by),
+        scale=card.scale,
+        lr_made_by=card.lr_made_by,
+    )
