@@ -25,13 +25,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lrsr.errors import InputError
-from lrsr.onnx import Fields, contract_path, read_fields, sha256_of
+from lrsr.onnx import contract_path, read_declared, sha256_of
 from lrsr.sr.weights import LARGEST_SCALE, Card
 
-_TABLES: Fields = {
-    "": {"sha256": str, "licence": str, "source": str},
-    "input": {"channels": str, "layout": str, "range": str, "enlarged": bool, "multiple_of": 1},
-    "output": {"scale": int, "lr_made_by": ""},
+_TABLES = {
+    "": ("sha256", "licence", "source"),
+    "input": ("channels", "layout", "range", "enlarged", "multiple_of"),
+    "output": ("scale", "lr_made_by"),
 }
 _CHOICES = {
     "input.channels": ("RGB", "BGR", "Y"),
@@ -47,15 +47,15 @@ class Contract:
     """One network's declared contract; see the module for the meaning of each field."""
 
     sha256: str
-    licence: str = ""
+    licence: str
     source: str
     channels: str
-    layout: str = "NCHW"
-    range: str = "0..1"
+    layout: str
+    range: str
     enlarged: bool
     multiple_of: int = 1
     scale: int
-    lr_made_by: str
+    lr_made_by: str = ""
 
     @property
     def white(self) -> float:
@@ -65,14 +65,8 @@ class Contract:
     @property
     def shape(self) -> tuple[int | None, ...]:
         """Shape of a batch, None where any size will do."""
-        channels = len(self.channels)
-        nchw, nhwc = (None, channels, None, None), (None, None, None, channels)
-        return nchw if self.layout == "NCHW" else nhwc
-
-    @property
-    def words(self) -> str:
-        """What the network takes and returns, in words."""
-        return f"float {self.layout} of {self.channels}"
+        sides, channels = (None, None), (len(self.channels),)
+        return (None, *channels, *sides) if self.layout == "NCHW" else (None, *sides, *channels)
 
 
 def read_contract(model: Path, properties: dict[str, str]) -> Contract:
@@ -86,7 +80,7 @@ def read_contract(model: Path, properties: dict[str, str]) -> Contract:
         InputError: There is neither, or the contract or card cannot be used.
     """
     if contract_path(model).is_file():
-        return Contract(**read_fields(model, _TABLES, _CHOICES))
+        return read_declared(Contract, model, _TABLES, _CHOICES)
     if "architecture" not in properties:
         raise InputError(
             f"{model} is not of lrsr train, and {contract_path(model)} is missing: declare"
@@ -98,7 +92,10 @@ def read_contract(model: Path, properties: dict[str, str]) -> Contract:
         raise InputError(f"{model} is not of lrsr train: {error}; export it again") from error
     return Contract(
         sha256=sha256_of(model),
+        licence="",
         source=card.architecture,
+        layout="NCHW",
+        range="0..1",
         channels="Y" if card.input == "luminance" else "RGB",
         enlarged=bool(card.enlarged_by),
         scale=card.scale,

@@ -150,15 +150,9 @@ class _OfCard(_Network):
     ) -> None:
         if self._on_luminance != (card.input == "luminance"):
             raise InputError(f"{card.architecture} takes {card.input}: use the other wrapper")
-        super().__init__(
-            label or f"{card.architecture} {card.scale}",
-            card.scale,
-            device,
-            kind=card.input,
-            architecture=card.architecture,
-            lr_made_by=card.lr_made_by,
-            kernel=card.enlarged_by,
-        )
+        about = {"kind": card.input, "lr_made_by": card.lr_made_by, "kernel": card.enlarged_by}
+        label = label or f"{card.architecture} {card.scale}"
+        super().__init__(label, card.scale, device, architecture=card.architecture, **about)
         self._network, self._enlarged = network.to(self._device), bool(card.enlarged_by)
 
     def _restore(self, images: torch.Tensor) -> torch.Tensor:
@@ -194,19 +188,13 @@ class Onnx(_Network):
         self._model, self._session = model, open_session(model, providers_on(device))
         properties = self._session.get_modelmeta().custom_metadata_map
         self.contract = told = read_contract(model, properties)
-        check_graph(self._session, model, "an upscaler", told.shape, told.shape, (told.words,) * 2)
+        words = f"float {told.layout} of {told.channels}"
+        check_graph(self._session, model, "an upscaler", told.shape, told.shape, (words, words))
         self._on_luminance, self._enlarged = told.channels == "Y", told.enlarged
-        super().__init__(
-            label or model.stem,
-            told.scale,
-            "cpu",
-            kind="onnx",
-            file=model.name,
-            sha256=told.sha256,
-            architecture=told.source,
-            lr_made_by=told.lr_made_by,
-            kernel=ENLARGED_BY if self._enlarged or self._on_luminance else "",
-        )
+        kernel = ENLARGED_BY if self._enlarged or self._on_luminance else ""
+        about = {"kind": "onnx", "file": model.name, "sha256": told.sha256, "kernel": kernel}
+        about |= {"architecture": told.source, "lr_made_by": told.lr_made_by}
+        super().__init__(label or model.stem, told.scale, "cpu", **about)
 
     def _restore(self, images: torch.Tensor) -> torch.Tensor:
         shape, many = self._session.get_inputs()[0].shape, self.contract.multiple_of
