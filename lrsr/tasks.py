@@ -105,11 +105,38 @@ def run_fit_camera(config: "DictConfig") -> Path:
     """Estimate a camera from real pictures; see :mod:`lrsr.calibration.from_pictures`.
 
     Raises:
-        InputError: A setting is wrong, or the pictures cannot be used.
+        InputError: A setting is wrong, the pictures cannot be used, or show nothing.
     """
-    from lrsr.calibration.from_pictures import fit_settings, fit_to_folder  # torch takes seconds
+    from omegaconf import OmegaConf
 
-    settings = fit_settings(config)
+    from lrsr.calibration.from_pictures import FitSettings, fit_to_folder  # torch takes seconds
+    from lrsr.data.recipe import ProbeRecipe
+
+    people = section(IdentityRange, config, "identities")
+    groups = ("pose", "lighting", "expression", "lens", "standpoint")
+    scene = {group: _instantiate(config[group]) for group in groups}
+    quality = asdict(section(RenderingSettings, config, "rendering"))
+    preset: Any = OmegaConf.to_container(config.camera, resolve=True)
+    settings = FitSettings(
+        images=Path(str(config.images)).expanduser().resolve(),
+        preset=preset,
+        strangers=[
+            ProbeRecipe(
+                split=cast("Split", people.split),
+                index=index,
+                population=people.cast.population,
+                draw=people.cast.draw(people.split, index),
+                **scene,
+                **quality,
+            )
+            for index in range(people.start, people.start + people.count)
+        ],
+        name=str(config.name),
+        ipd_px=None if config.ipd_px is None else number(config, "ipd_px"),
+        part=number(config, "part"),
+        rounds=whole_number(config, "rounds"),
+        seed=whole_number(config, "seed"),
+    )
     folder = _run_folder()
     write_provenance(folder, config)
     return fit_to_folder(settings, folder, cache=_cache(config))

@@ -14,14 +14,13 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
 from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
-from lrsr.calibration.parameters import with_jpeg, with_values
-from lrsr.calibration.picture_statistics import lens_blur_px
+from lrsr.calibration.parameters import lens_blur_px, with_jpeg, with_values
 from lrsr.calibration.report import NOT_DONE
 from lrsr.calibration.strangers import Strangers
 from lrsr.camera.codec import jpeg
 from lrsr.data.png import write_png
+from lrsr.data.recipe import ProbeRecipe
 from lrsr.errors import ImageContractError, InputError
-from lrsr.experiments.settings import IdentityRange, RenderingSettings
 from lrsr.paths import config_folder
 
 HIDDEN = {
@@ -45,12 +44,15 @@ def plain(path: Path) -> dict[str, Any]:
 
 def films(indices: range) -> Strangers:
     """Return painted people of the test split, whom the fit does not see."""
-    from lrsr.data.recipe import ProbeRecipe
-
     maker = PaintedMaker()
     recipes = [ProbeRecipe(split="test", index=k, scale=2, seed=k) for k in indices]
     light = torch.stack([maker.render(maker.head(one), one).image for one in recipes])
     return Strangers(light, torch.ones(len(light)), 2, seed=500)
+
+
+def strangers(count: int) -> list[ProbeRecipe]:
+    recipe = ProbeRecipe(split="train", index=0, samples_per_pixel=4, texture_size=8)
+    return [replace(recipe, index=k) for k in range(count)]
 
 
 def settings(images: Path, **changes: Any) -> FitSettings:
@@ -58,9 +60,8 @@ def settings(images: Path, **changes: Any) -> FitSettings:
         FitSettings(
             images=images,
             preset=plain(config_folder() / "camera" / "generic.yaml"),
+            strangers=strangers(40),
             name="lobby",
-            identities=IdentityRange(split="train", count=40),
-            rendering=RenderingSettings(samples_per_pixel=4, texture_size=8),
             part=1.0,
             rounds=2,
         ),
@@ -161,7 +162,7 @@ def test_what_cannot_be_fitted_is_refused_before_anything_is_rendered(
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"identities": IdentityRange(count=19)}, "identities.count=19: wanted at least 20"),
+        ({"strangers": strangers(19)}, "identities.count=19: wanted at least 20"),
         ({"rounds": 0}, "rounds=0: wanted at least 1"),
         ({"part": 0.0}, "part=0.0"),
         ({"ipd_px": 2.0}, "ipd_px=2.0: wanted at least 4"),
