@@ -6,6 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+import torch
+
+from lrsr.camera.camera import Camera
+from lrsr.camera.checks import check_setting
+from lrsr.camera.colour import Colour
+from lrsr.camera.optics import Optics
 from lrsr.errors import InputError
 
 
@@ -58,7 +65,11 @@ PARAMETERS = (
 )
 NAMES = tuple(parameter.name for parameter in PARAMETERS)
 
+MTF_CYCLES = 0.1
+"""Where the lens's blur is compared with a Gaussian's, cycles a pixel: below any zero."""
+
 _NEEDED = ("optics", "colour", "sensor", "processing")
+_PITCH_UM = Optics().pitch_um
 
 
 def with_values(preset: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, Any]:
@@ -82,6 +93,7 @@ def with_values(preset: Mapping[str, Any], values: Mapping[str, float]) -> dict[
     optics["defocus_um"] = float(f"{_defocus_um_per_px(optics) * values['blur_px']:.5g}")
     sensor |= {"full_well_e": rounded["white_e"], "gain": 1.0}
     sensor["read_noise_e"] = float(f"{values['read_noise'] * values['white_e']:.5g}")
+    fitted["colour"].pop("white_balance", None)  # would rule instead
     fitted["colour"]["cast"] = [rounded["cast_red"], 1.0, rounded["cast_blue"]]
     fitted["exposure_ev"] = rounded["exposure_ev"]
     for name in ("sharpen_amount", "contrast", "saturation"):
@@ -102,24 +114,24 @@ def starting_from(preset: Mapping[str, Any]) -> tuple[Parameter, ...]:
             is none of its settings.
     """
     _check_stages(preset)
-    optics, sensor, processing = (preset[name] for name in ("optics", "sensor", "processing"))
-    if "sensitivities" in preset["colour"]:
+    camera = camera_of(preset)
+    optics, colour, sensor, processing = (getattr(camera, name) for name in _NEEDED)
+    if not isinstance(colour, Colour):
         raise InputError(
-            f"camera={preset.get('name')} has measured colour filters, which are not fitted: start "
+            f"camera={camera.name} has measured colour filters, which are not fitted: start "
             "from one with filters of three numbers, e.g. camera=generic"
         )
-    white_e = sensor.get("full_well_e", 10_000) / sensor.get("gain", 1)
-    red, green, blue = preset["colour"].get("cast", (1, 1, 1))
+    red, green, blue = np.array(colour.white_balance) * np.sum(colour.responses, axis=1)
     values = {
-        "blur_px": optics.get("defocus_um", 0) / _defocus_um_per_px(optics),
-        "sharpen_amount": processing.get("sharpen_amount", 0),
-        "read_noise": sensor.get("read_noise_e", 3) / white_e,
-        "white_e": white_e,
-        "exposure_ev": preset.get("exposure_ev", 0),
+        "blur_px": optics.blur.defocus_um / _defocus_um_per_px(preset["optics"]),
+        "sharpen_amount": processing.sharpen_amount,
+        "read_noise": sensor.read_noise_e / sensor.white_e,
+        "white_e": sensor.white_e,
+        "exposure_ev": camera.exposure_ev,
         "cast_red": red / green,
         "cast_blue": blue / green,
-        "contrast": processing.get("contrast", 1),
-        "saturation": processing.get("saturation", 1),
+        "contrast": processing.contrast,
+        "saturation": processing.saturation,
     }
     return tuple(
         replace(one, start=min(max(float(values[one.name]), one.low), one.high))
@@ -140,7 +152,7 @@ def _check_stages(preset: Mapping[str, Any]) -> None:
 
 def _defocus_um_per_px(optics: Mapping[str, Any]) -> float:
     """Return the defocus whose disk, by geometry, has a σ of one pixel."""
-    return 4 * float(optics["f_number"]) * float(optics.get("pitch_um", 2.65))
+    return 4 * float(optics["f_number"]) * float(optics.get("pitch_um", _PITCH_UM))
 
 
 def with_jpeg(
@@ -159,3 +171,38 @@ def with_jpeg(
         target = "lrsr.camera.codec.Jpeg"
         changed["stored"] = {"_target_": target, "qualities": quality, "chroma": chroma}
     return changed
+
+
+def camera_of(preset: Mapping[str, Any]) -> Camera:
+    """Return the camera that a preset, a plain mapping as in ``conf/camera``, describes.
+
+    Raises:
+        InputError: It describes something else.
+    """
+    from hydra.utils import instantiate
+
+    camera: Camera = instantiate(dict(preset))
+    if not isinstance(camera, Camera):
+        raise InputError(f"camera={preset.get('name')} is no camera: give one of conf/camera")
+    return camera
+
+
+def lens_blur_px(camera: Camera) -> float:
+    """Return σ of the Gaussian that blurs as a camera's lens does, px of the sensor.
+
+    The one with the lens's modulation transfer in green at 0.1 cycles a pixel, averaged over both
+    directions; the pixel's own aperture is not in it. A lens without blur has 0.
+
+    Raises:
+        InputError: The lens is too blurred for that: nothing is left at that frequency.
+    """
+    if camera.optics is None:
+        return 0.0
+    kernel = camera.optics.point_spread(
+        supersampling=camera.supersampling, field_mm=camera.field_mm
+    )[0, 1].double()
+    at = torch.arange(len(kernel), dtype=torch.float64) - len(kernel) // 2
+    wave = torch.cos(2 * torch.pi * MTF_CYCLES / camera.supersampling * at)
+    transfer = float((kernel.sum(0) @ wave + kernel.sum(1) @ wave) / 2)
+    check_setting("blur", transfer, transfer > 0.01, "a lens with some contrast at 0.1 cycles/px")
+    return float(np.sqrt(-2 * np.log(min(transfer, 1.0))) / (2 * np.pi * MTF_CYCLES))

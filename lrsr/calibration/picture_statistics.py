@@ -32,8 +32,7 @@ import torch
 from torch.nn import functional as F
 
 from lrsr.calibration.band_powers import HALVES, band_powers
-from lrsr.camera.camera import Camera
-from lrsr.camera.checks import check_light, check_setting
+from lrsr.camera.checks import check_srgb, number
 from lrsr.camera.processing import luminance
 from lrsr.errors import ImageContractError
 from lrsr.images import srgb_to_linear
@@ -53,8 +52,6 @@ BANDS = {
     "blue": (0.5, 1.2, 2.3, 4.5, 10.0),
 }
 """Edges of the bands of a block's cosines: of luminance and of the two colour differences."""
-MTF_CYCLES = 0.1
-"""Where the lens's blur is compared with a Gaussian's, cycles a pixel: below any zero."""
 
 _BENT = (
     "log_red_green",
@@ -104,7 +101,7 @@ def describe(srgb: torch.Tensor, part: float = 0.75) -> torch.Tensor:
         ImageContractError: The images break the contract, or the middle part is under 12 px.
         InputError: ``part`` is out of range.
     """
-    check_light(srgb, name="srgb")
+    check_srgb(srgb)
     middle = crop(srgb, part).double()
     luma = 255 * luminance(middle)[:, 0]
     planes = {"luma": luma, "red": 255 * middle[:, 0] - luma, "blue": 255 * middle[:, 2] - luma}
@@ -171,7 +168,7 @@ def crop(images: torch.Tensor, part: float) -> torch.Tensor:
         >>> crop(torch.zeros(1, 3, 32, 40), 0.75).shape[-2:]
         torch.Size([24, 30])
     """
-    check_setting("part", part, 0 < part <= 1, "a share > 0 to 1")
+    number("part", part, "a share > 0 to 1", above=0, high=1)
     height, width = images.shape[-2:]
     tall, wide = (round(part * side) for side in (height, width))
     if min(tall, wide) < SMALLEST_PX:
@@ -238,24 +235,3 @@ def _means(red: torch.Tensor, blue: torch.Tensor, luma: torch.Tensor) -> torch.T
     both = torch.stack([red.flatten(1), blue.flatten(1)], 2)
     sorted_ = both.gather(1, order[..., None].expand_as(both))
     return torch.cat([half.mean(1) for half in sorted_.tensor_split(2, dim=1)], 1)
-
-
-def lens_blur_px(camera: Camera) -> float:
-    """Return σ of the Gaussian that blurs as a camera's lens does, px of the sensor.
-
-    The one with the lens's modulation transfer in green at 0.1 cycles a pixel, averaged over both
-    directions; the pixel's own aperture is not in it. A lens without blur has 0.
-
-    Raises:
-        InputError: The lens is too blurred for that: nothing is left at that frequency.
-    """
-    if camera.optics is None:
-        return 0.0
-    kernel = camera.optics.point_spread(
-        supersampling=camera.supersampling, field_mm=camera.field_mm
-    )[0, 1].double()
-    at = torch.arange(len(kernel), dtype=torch.float64) - len(kernel) // 2
-    wave = torch.cos(2 * torch.pi * MTF_CYCLES / camera.supersampling * at)
-    transfer = float((kernel.sum(0) @ wave + kernel.sum(1) @ wave) / 2)
-    check_setting("blur", transfer, transfer > 0.01, "a lens with some contrast at 0.1 cycles/px")
-    return float(np.sqrt(-2 * np.log(min(transfer, 1.0))) / (2 * np.pi * MTF_CYCLES))

@@ -1,18 +1,31 @@
 """Which pictures lie in a folder? Real ones of one camera, of one size, without references."""
 
+import logging
+import math
 import statistics
 from collections import Counter
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from warnings import catch_warnings
 
 import torch
+from PIL import Image, UnidentifiedImageError
+from torch.nn import functional as F
 
-from lrsr.camera.jpeg_tables import BLOCK_PX, read_jpeg_settings
+from lrsr.calibration.jpeg_files import read_jpeg_settings
+from lrsr.camera.jpeg_tables import BLOCK_PX
 from lrsr.errors import InputError
 from lrsr.pictures.image_files import SUFFIXES, read_image
 
 LEAST_PX, MOST_PX = 2 * BLOCK_PX, 256
 """Of a side: fewer hold no whole block, more are no small faces (200 films of them fill memory)."""
+
+NEAR_LEVELS = 1.5
+"""Root mean square difference, levels in 8 x 8 parts, below which pictures are of one shot."""
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -23,11 +36,13 @@ class RealPictures:
         srgb: ``(n, 3, H, W)``, [0, 1].
         jpeg: Quality and chroma sub-sampling that the files themselves say; None if they are none.
         origin_px: ``(x, y)`` of the first pixel in what the files held.
+        copies: Names of the files that were left out, and of those that they equal.
     """
 
     srgb: torch.Tensor
     jpeg: tuple[int, str] | None = None
     origin_px: tuple[int, int] = (0, 0)
+    copies: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def size_px(self) -> tuple[int, int]:
@@ -44,36 +59,111 @@ class RealPictures:
 
 
 def read_real_pictures(folder: Path, least: int) -> RealPictures:
-    """Read every picture of a folder (not below it); other files are passed over.
+    """Read every picture of a folder (not below it), copies once.
+
+    Passed over are folders, hidden files, files that are not named as pictures, and links that lead
+    nowhere. Of pictures that are equal pixel for pixel, whatever their files are, the first by name
+    counts; a line tells of the others.
 
     Args:
         folder: Holds PNG, JPEG, BMP, TIFF, WebP or PPM files.
-        least: How many there must be.
+        least: How many different ones there must be.
 
     Raises:
-        InputError: No such folder, no or too few pictures in it, a broken one, several sizes, sides
-            of less than 16 or more than 256 px, or pictures without colour.
+        InputError: No such folder, no or too few pictures in it, a broken or unreadable one,
+            several sizes, sides of less than 16 or more than 256 px, or pictures without colour.
     """
-    if not folder.is_dir():
-        raise InputError(f"images={folder} is no folder: give one that holds pictures")
-    files = sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
-    files = [file for file in files if file.is_file() and not file.stem.endswith("_linear16")]
-    if not files:
-        kinds = ", ".join(suffix[1:] for suffix in SUFFIXES)
-        raise InputError(f"images={folder} holds no pictures: put files in it ({kinds})")
-    if len(files) < least:
-        raise InputError(
-            f"images={folder} holds {len(files)} pictures: give at least {least}, better 50, of "
-            "different people"
-        )
-    pictures = {file: read_image(file) for file in files}
+    files = _files(folder)
+    _enough(folder, len(files), least, f"{len(files)} pictures")
+    pictures = {file: _read(file) for file in files}
     _check_sizes(pictures)
-    if all(bool((picture == picture[:1]).all()) for picture in pictures.values()):
+    firsts: dict[bytes, Path] = {}
+    copies = {}
+    for file, picture in pictures.items():
+        first = firsts.setdefault(picture.numpy().tobytes(), file)
+        if first != file:
+            copies[file.name] = first.name
+    told = f"{len(copies)} of {len(files)} pictures are copies ({_shown(copies)})"
+    distinct = f"{len(firsts)} different pictures, since {told}"
+    _enough(folder, len(firsts), least, distinct)
+    if copies:
+        logger.warning("images=%s: %s; each is counted once", folder, told)
+    kept = list(firsts.values())
+    srgb = torch.stack([pictures[file] for file in kept])
+    if bool((srgb == srgb[:, :1]).all()):
         raise InputError(
             f"images={folder} holds grey pictures only: noise and gains of the colours are part of "
             "what is fitted; give pictures that were taken in colour"
         )
-    return RealPictures(torch.stack(list(pictures.values())), _jpeg_of(files))
+    _warn_of_near_copies(folder, srgb)
+    return RealPictures(srgb, _jpeg_of(kept), copies=copies)
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return the files of a folder that are named as pictures.
+
+    Raises:
+        InputError: It is no folder, cannot be read, or holds none.
+    """
+    try:
+        if not folder.is_dir():
+            raise InputError(f"images={folder} is no folder: give one that holds pictures")
+        files = sorted(
+            file
+            for file in folder.iterdir()
+            if file.suffix.lower() in SUFFIXES and not file.name.startswith(".") and file.is_file()
+        )
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"cannot read images={folder}: {reason}; check its rights") from error
+    files = [file for file in files if not file.stem.endswith("_linear16")]
+    if not files:
+        kinds = ", ".join(suffix[1:] for suffix in SUFFIXES)
+        raise InputError(f"images={folder} holds no pictures: put files in it ({kinds})")
+    return files
+
+
+def _enough(folder: Path, count: int, least: int, holds: str) -> None:
+    if count < least:
+        raise InputError(
+            f"images={folder} holds {holds}: give at least {least}, better 50, of different people"
+        )
+
+
+def _shown(copies: Mapping[str, str], most: int = 3) -> str:
+    """Return which is a copy of which, the first few."""
+    told = [f"{copy} of {first}" for copy, first in list(copies.items())[:most]]
+    return ", ".join(told) + (", ..." if len(copies) > most else "")
+
+
+def _read(file: Path) -> torch.Tensor:
+    """Return a picture ``(3, H, W)``.
+
+    Raises:
+        InputError: It cannot be read, is none, or was cut short (OpenCV would fill in grey).
+    """
+    picture = read_image(file)
+    try:
+        with catch_warnings(action="ignore"), suppress(UnidentifiedImageError):
+            Image.open(file).load()
+    except (OSError, SyntaxError) as error:
+        raise InputError(f"{file} is a broken picture ({error}): copy it again") from None
+    return picture
+
+
+def _warn_of_near_copies(folder: Path, srgb: torch.Tensor) -> None:
+    """Tell of pictures that look like frames of one shot: people differ more than that."""
+    coarse = 255 * F.adaptive_avg_pool2d(srgb, 8).flatten(1)
+    apart = torch.cdist(coarse, coarse) / coarse.shape[1] ** 0.5
+    near = int((apart.fill_diagonal_(math.inf).amin(1) < NEAR_LEVELS).sum())
+    if near:
+        logger.warning(
+            "images=%s: %d of %d pictures hardly differ from another one; frames of one shot are "
+            "no different people, and errors will seem too small",
+            folder,
+            near,
+            len(srgb),
+        )
 
 
 def _check_sizes(pictures: dict[Path, torch.Tensor]) -> None:

@@ -1,6 +1,8 @@
 """What does a reader get of a fitted camera? Values with doubts; faces before and after."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -12,9 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lrsr.calibration.fit import Fit
+from lrsr.calibration.parameters import camera_of, lens_blur_px
 from lrsr.calibration.picture_statistics import BENT_NAMES, RANGES, RINGS
 from lrsr.calibration.real_pictures import RealPictures
-from lrsr.files import write_bytes, write_text
+from lrsr.files import write_bytes, write_json, write_text
 from lrsr.pages import COLOURS, DPI, FILE, STYLE, data_uri, encode_face, png_bytes, template
 from lrsr.provenance import versions
 
@@ -42,27 +45,50 @@ NOT_DONE = (
 )
 
 
-def write_fit_report(
-    folder: Path,
-    name: str,
-    fit: Fit,
-    real: RealPictures,
-    preset: Mapping[str, Any],
-    blur_px: float,
-    grids: int,
-    pictures: Mapping[str, torch.Tensor],
-    seed: int,
+@dataclass(frozen=True)
+class Finding:
+    """A camera that was fitted, and what to.
+
+    Attributes:
+        fit: How well its statistics agree with those of the pictures.
+        real: The pictures.
+        preset: Plain mapping of the fitted camera.
+        guess: Name of the camera that the search began with.
+        origins_px: Places of the pictures' first pixels in the grids of their files.
+    """
+
+    fit: Fit
+    real: RealPictures
+    preset: Mapping[str, Any]
+    guess: str
+    origins_px: tuple[tuple[int, int], ...]
+
+    @cached_property
+    def blur_px(self) -> float:
+        """Of the lens, σ of a Gaussian."""
+        return lens_blur_px(camera_of(self.preset))
+
+    @property
+    def refusal(self) -> str | None:
+        """Why this camera is of no use, and what to do; None if it is of some."""
+        fit, count = self.fit, len(self.real.srgb)
+        remedy = f"give more than {count} pictures, of more people and with more detail"
+        if not any(one.known for one in fit.values.values()):
+            return f"they show nothing of the camera, all values are the guess; no preset; {remedy}"
+        if not fit.misfit_after <= fit.misfit_before:
+            grown = f"the misfit has grown from {fit.misfit_before:.2f} to {fit.misfit_after:.2f}"
+            return f"{grown}; no preset; take camera={self.guess} as it is, or {remedy}"
+        return None
+
+
+def write_finding(
+    folder: Path, finding: Finding, pictures: Mapping[str, torch.Tensor], seed: int
 ) -> Path:
-    """Write ``statistics.png`` and ``report.html``, which holds every picture.
+    """Write ``results.json``, ``statistics.png`` and ``report.html``, which holds every picture.
 
     Args:
         folder: Of the run.
-        name: Of the preset.
-        fit: What was found.
-        real: The pictures.
-        preset: Plain mapping of the fitted camera.
-        blur_px: Of its lens, σ of a Gaussian.
-        grids: How many grids of blocks the pictures have; 1 if it is the preset's.
+        finding: What was found.
         pictures: Real, before, after: ``(n, 3, H, W)`` each.
         seed: Of the noise.
 
@@ -72,36 +98,21 @@ def write_fit_report(
     Raises:
         InputError: The folder cannot be written.
     """
-    figure = draw_fit(fit)
+    figure, fit, made_by = _draw_fit(finding.fit), finding.fit, versions()
+    means = (fit.measured, fit.before, fit.after, fit.spread)
+    rows = dict(zip(BENT_NAMES, np.stack(means, 1).tolist(), strict=True))
+    write_json(folder / "results.json", _results(finding, rows))
     write_bytes(folder / "statistics.png", figure)
-    made_by = versions()
     page = template("fit_camera.html.j2").render(
-        title=f"Camera {name}",
-        answer=answer(fit, real, preset, blur_px, grids),
+        title=f"Camera {finding.preset['name']}",
+        answer=_answer(finding),
         figure=data_uri(figure),
-        columns=[
-            {"label": label, "faces": [encode_face(face) for face in column[:SHOWN].numpy()]}
+        columns={
+            label: [encode_face(face) for face in column[:SHOWN].numpy()]
             for label, column in pictures.items()
-        ],
-        lines=[
-            {
-                "name": parameter.name,
-                "says": parameter.says,
-                "start": f"{parameter.start:.4g}",
-                "value": f"{fit.values[parameter.name].value:.4g}",
-                "error": f"{fit.values[parameter.name].error:.2g}",
-                "known": fit.values[parameter.name].known,
-            }
-            for parameter in fit.parameters
-        ],
-        statistics=[
-            {"name": column, "values": [f"{value:.3f}" for value in row]}
-            for column, row in zip(
-                BENT_NAMES,
-                zip(fit.measured, fit.before, fit.after, fit.spread, strict=True),
-                strict=True,
-            )
-        ],
+        },
+        fit=fit,
+        statistics=rows,
         done=DONE,
         not_done=NOT_DONE,
         versions=made_by,
@@ -112,34 +123,60 @@ def write_fit_report(
     return folder / FILE
 
 
-def answer(
-    fit: Fit, real: RealPictures, preset: Mapping[str, Any], blur_px: float, grids: int = 1
-) -> list[str]:
+def _results(finding: Finding, rows: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+    fit, real, preset = finding.fit, finding.real, dict(finding.preset)
+    kinds = ("real", "before", "after", "spread")
+    return {
+        "pictures": len(real.srgb),
+        "copies": dict(real.copies),
+        "size_px": list(real.size_px),
+        "values": {name: asdict(value) for name, value in fit.values.items()},
+        "blur_px": finding.blur_px,
+        "read_noise_e": asdict(fit.product("read_noise", "white_e")),
+        "jpeg": preset["stored"],
+        "origin_px": preset["origin_px"],
+        "origins_px": [list(place) for place in finding.origins_px],
+        "misfit": {"before": fit.misfit_before, "after": fit.misfit_after},
+        "statistics": {name: dict(zip(kinds, row, strict=True)) for name, row in rows.items()},
+        "trials": fit.trials,
+        "refusal": finding.refusal,
+        "preset": preset,
+    }
+
+
+def _answer(finding: Finding) -> list[str]:
     """Return what was found, in sentences."""
-    values, stored = fit.plain, preset["stored"]
-    electrons = fit.product("read_noise", "white_e")
-    kept = "No JPEG blocks were found."
-    if stored is not None:
-        x, y = preset["origin_px"]
-        source = "say the files" if real.jpeg is not None else "from the pixels"
-        place = f"grid from ({-x % 8}, {-y % 8}) on" if grids == 1 else f"{grids} grids of blocks"
-        quality, chroma = stored["qualities"], stored["chroma"]
-        kept = f"JPEG quality {quality}, colours {chroma}, {place}, {source}."
+    fit, real = finding.fit, finding.real
+    values, electrons = fit.plain, fit.product("read_noise", "white_e")
     unknown = [name for name, fitted in fit.values.items() if not fitted.known]
     sentences = [
         f"{len(real.srgb)} pictures of {real.size_px[1]} × {real.size_px[0]} px: the lens blurs as "
-        f"a Gaussian of {blur_px:.2f} px; sharpening {values['sharpen_amount']:.2f}.",
+        f"a Gaussian of {finding.blur_px:.2f} px; sharpening {values['sharpen_amount']:.2f}.",
         f"Read noise is {100 * values['read_noise']:.2g} % of white ({electrons.value:.3g} ± "
         f"{electrons.error:.2g} of {values['white_e']:.0f} electrons).",
         f"Gains over green: red {values['cast_red']:.3f}, blue {values['cast_blue']:.3f}; contrast "
         f"{values['contrast']:.2f}, saturation {values['saturation']:.2f}.",
-        kept,
+        _kept(finding),
         f"Mean square of the whitened differences: {fit.misfit_before:.1f} before, "
         f"{fit.misfit_after:.2f} after; chance gives about 1.",
     ]
+    if finding.refusal is not None:
+        sentences.insert(0, f"Not to be used: {finding.refusal}.")
+    if real.copies:
+        sentences.append(f"{len(real.copies)} further files were copies and left out.")
     if unknown:
         sentences.append(f"Mostly the guess, as the pictures do not show it: {', '.join(unknown)}.")
     return sentences
+
+
+def _kept(finding: Finding) -> str:
+    stored, (x, y) = finding.preset["stored"], finding.preset["origin_px"]
+    if stored is None:
+        return "No JPEG blocks were found."
+    grids = len({(x % 8, y % 8) for x, y in finding.origins_px})
+    place = f"grid from ({-x % 8}, {-y % 8}) on" if grids == 1 else f"{grids} grids of blocks"
+    source = "say the files" if finding.real.jpeg is not None else "from the pixels"
+    return f"JPEG quality {stored['qualities']}, colours {stored['chroma']}, {place}, {source}."
 
 
 _KINDS = {
@@ -152,7 +189,7 @@ _KINDS = {
 _BELOW: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 6}
 
 
-def draw_fit(fit: Fit) -> bytes:
+def _draw_fit(fit: Fit) -> bytes:
     """Draw the spectrum, the noise and all differences, before and after, as a PNG."""
     with rc_context(STYLE):
         figure = Figure(figsize=(7.2, 5.0), dpi=DPI, layout="constrained")

@@ -1,13 +1,18 @@
 """Who is photographed while a camera is sought? Rendered people, again and again."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import torch
 
+from lrsr.calibration.parameters import camera_of
 from lrsr.camera.camera import Camera
-from lrsr.errors import InputError
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.maker import Maker
+from lrsr.pictures.render import filmed, load_radiances, render_missing
+from lrsr.pictures.sitting import Sitting
+from lrsr.rendering.scene import Film
 
 DRAW_SEEDS = 1_000_003
 """From the seeds of one draw of the noise to those of the next: more than there are people."""
@@ -28,11 +33,6 @@ class Strangers:
     metered: torch.Tensor
     supersampling: int
     seed: int
-
-    @staticmethod
-    def supersampling_of(preset: Mapping[str, Any]) -> int:
-        """Return how much finer than the picture a preset wants its film."""
-        return int(preset.get("supersampling", 1))
 
     @property
     def size_px(self) -> tuple[int, int]:
@@ -98,18 +98,36 @@ class Strangers:
         top, left = (self.size_px[0] - tall) // 2, (self.size_px[1] - wide) // 2
         rows = slice(finer * top, finer * (top + tall))
         columns = slice(finer * left, finer * (left + wide))
-        return Strangers(self.linear[..., rows, columns], self.metered, finer, self.seed)
+        return replace(self, linear=self.linear[..., rows, columns])
 
 
-def camera_of(preset: Mapping[str, Any]) -> Camera:
-    """Return the camera that a preset, a plain mapping as in ``conf/camera``, describes.
+def render_strangers(
+    sitting: Sitting,
+    ipd_px: float,
+    supersampling: int,
+    *,
+    cache: RenderCache,
+    maker: Maker | None = None,
+    progress: bool = True,
+) -> Strangers:
+    """Render people who are not in the cache yet, and load all.
+
+    Args:
+        sitting: Who, and how, at 8 px.
+        ipd_px: Of their faces in the pictures, px.
+        supersampling: How much finer than a picture its film is.
+        cache: Where renderings are kept.
+        maker: Renders; Mitsuba when None.
+        progress: Show a bar on stderr.
 
     Raises:
-        InputError: It describes something else.
+        InputError: The cache cannot be read or written.
     """
-    from hydra.utils import instantiate
-
-    camera: Camera = instantiate(dict(preset))
-    if not isinstance(camera, Camera):
-        raise InputError(f"camera={preset.get('name')} is no camera: give one of conf/camera")
-    return camera
+    camera = Camera(supersampling=supersampling)
+    sized = replace(sitting, film=Film(ipd_px), quality=sitting.quality.at(ipd_px))
+    films = [filmed(recipe, camera) for recipe in sized.recipes()]
+    render_missing(films, cache, progress=progress, maker=maker)
+    radiances = load_radiances(films, cache, progress=progress, maker=maker)
+    linear = torch.stack([radiance.image for radiance in radiances])
+    metered = torch.tensor([radiance.metered for radiance in radiances])
+    return Strangers(linear, metered, supersampling, sitting.seed)

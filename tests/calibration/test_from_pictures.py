@@ -14,8 +14,7 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
 from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
-from lrsr.calibration.parameters import with_jpeg, with_values
-from lrsr.calibration.picture_statistics import lens_blur_px
+from lrsr.calibration.parameters import lens_blur_px, with_jpeg, with_values
 from lrsr.calibration.report import NOT_DONE
 from lrsr.calibration.strangers import Strangers
 from lrsr.camera.codec import jpeg
@@ -26,6 +25,7 @@ from lrsr.paths import config_folder
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.image_files import write_png
 from lrsr.pictures.recipe import Recipe
+from lrsr.pictures.sitting import Sitting
 from lrsr.presets import preset
 from lrsr.rendering.scene import Film, Quality, Scene
 
@@ -58,15 +58,18 @@ def films(indices: range) -> Strangers:
     return Strangers(light, torch.ones(len(light)), 2, seed=500)
 
 
+def strangers(count: int) -> Sitting:
+    people = IdentityRange(split="train", count=count)
+    return Sitting(people, FRONTAL, Film(), Quality(samples_per_pixel=4, texture_size=64))
+
+
 def settings(images: Path, **changes: Any) -> FitSettings:
     return replace(
         FitSettings(
             images=images,
             preset=plain(config_folder() / "camera" / "generic.yaml"),
+            strangers=strangers(40),
             name="lobby",
-            people=IdentityRange(split="train", count=40),
-            scene=FRONTAL,
-            quality=Quality(samples_per_pixel=4, texture_size=64),
             part=1.0,
             rounds=2,
         ),
@@ -92,7 +95,11 @@ def images(tmp_path_factory: pytest.TempPathFactory, hidden: Mapping[str, Any]) 
 def folder(tmp_path_factory: pytest.TempPathFactory, images: Path) -> Path:
     run = tmp_path_factory.mktemp("run")
     return fit_to_folder(
-        settings(images), run, cache=RenderCache(run / "cache"), maker=PaintedMaker(), progress=False
+        settings(images),
+        run,
+        cache=RenderCache(run / "cache"),
+        maker=PaintedMaker(),
+        progress=False,
     )
 
 
@@ -167,7 +174,7 @@ def test_what_cannot_be_fitted_is_refused_before_anything_is_rendered(
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"identities": IdentityRange(count=19)}, "identities.count=19: wanted at least 20"),
+        ({"strangers": strangers(19)}, "identities.count=19: wanted at least 20"),
         ({"rounds": 0}, "rounds=0: wanted at least 1"),
         ({"part": 0.0}, "part=0.0"),
         ({"ipd_px": 2.0}, "ipd_px=2.0: wanted at least 4"),

@@ -1,18 +1,22 @@
+import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
+from scipy.special import j1
 
 from lrsr.calibration.parameters import (
     PARAMETERS,
     Parameter,
+    lens_blur_px,
     starting_from,
     with_jpeg,
     with_values,
 )
 from lrsr.camera.camera import Camera
+from lrsr.camera.optics import Optics
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
 
@@ -68,8 +72,11 @@ def test_of_a_gain_and_a_full_well_the_electrons_at_white_are_guessed() -> None:
 
 
 def test_what_a_preset_leaves_out_is_guessed_as_the_stages_have_it() -> None:
-    bare = {"optics": {"f_number": 2.0}, "colour": {"a": 1}, "sensor": {"a": 1}}
-    parameters = starting_from(bare | {"processing": {"a": 1}})
+    bare: dict[str, Any] = {"_target_": "lrsr.camera.Camera"}
+    for stage in ("optics", "colour", "sensor", "processing"):
+        bare[stage] = {"_target_": f"lrsr.camera.{stage.capitalize()}"}
+    bare["optics"]["f_number"] = 2.0
+    parameters = starting_from(bare)
     starts = {one.name: one.start for one in parameters}
     assert starts["blur_px"] == PARAMETERS[0].low  # no defocus is below the range
     assert (starts["white_e"], starts["read_noise"]) == (10_000, 3 / 10_000)
@@ -111,3 +118,23 @@ def test_a_coordinate_is_a_value(parameter: Parameter) -> None:
     assert parameter.coordinate(parameter.start) == 0
     for value in (parameter.low, parameter.high):
         assert parameter.value(parameter.coordinate(value)) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("sigma_px", [1.0, 2.0])
+def test_wide_defocus_blurs_as_its_disk_does(sigma_px: float) -> None:
+    defocus = Optics(f_number=1.4, pitch_um=2.65, defocus_um=4 * 1.4 * 2.65 * sigma_px)
+    phase = 2 * math.pi * 0.1 * 2 * sigma_px  # a disk of radius 2 σ, at 0.1 cycles a pixel
+    transfer = 2 * j1(phase) / phase
+    expected = math.sqrt(-2 * math.log(transfer)) / (2 * math.pi * 0.1)
+    found = lens_blur_px(Camera(optics=defocus, supersampling=2))
+    assert found == pytest.approx(expected, rel=0.09)  # the rest is diffraction
+
+
+def test_without_a_lens_nothing_is_blurred() -> None:
+    assert lens_blur_px(Camera()) == 0.0
+
+
+def test_a_blur_beyond_measure_is_refused() -> None:
+    optics = Optics(f_number=1.4, pitch_um=2.65, defocus_um=60.0)
+    with pytest.raises(InputError, match="contrast"):
+        lens_blur_px(Camera(optics=optics))

@@ -1,8 +1,5 @@
-import math
-
 import pytest
 import torch
-from scipy.special import j1
 
 from lrsr.calibration.picture_statistics import (
     BENT_NAMES,
@@ -13,10 +10,7 @@ from lrsr.calibration.picture_statistics import (
     crop,
     describe,
     leave_one_out,
-    lens_blur_px,
 )
-from lrsr.camera.camera import Camera
-from lrsr.camera.optics import Optics
 from lrsr.errors import ImageContractError, InputError
 
 RINGS_COUNT = len(RINGS) - 1
@@ -151,23 +145,3 @@ def test_no_part_of_a_picture_is_refused(part: float) -> None:
 def test_pictures_of_one_channel_are_refused() -> None:
     with pytest.raises(ImageContractError, match="srgb"):
         describe(torch.zeros(1, 1, 32, 32))
-
-
-@pytest.mark.parametrize("sigma_px", [1.0, 2.0])
-def test_wide_defocus_blurs_as_its_disk_does(sigma_px: float) -> None:
-    defocus = Optics(f_number=1.4, pitch_um=2.65, defocus_um=4 * 1.4 * 2.65 * sigma_px)
-    phase = 2 * math.pi * 0.1 * 2 * sigma_px  # a disk of radius 2 σ, at 0.1 cycles a pixel
-    transfer = 2 * j1(phase) / phase
-    expected = math.sqrt(-2 * math.log(transfer)) / (2 * math.pi * 0.1)
-    found = lens_blur_px(Camera(optics=defocus, supersampling=2))
-    assert found == pytest.approx(expected, rel=0.09)  # the rest is diffraction
-
-
-def test_without_a_lens_nothing_is_blurred() -> None:
-    assert lens_blur_px(Camera()) == 0.0
-
-
-def test_a_blur_beyond_measure_is_refused() -> None:
-    optics = Optics(f_number=1.4, pitch_um=2.65, defocus_um=60.0)
-    with pytest.raises(InputError, match="contrast"):
-        lens_blur_px(Camera(optics=optics))

@@ -4,10 +4,10 @@ import cv2
 import numpy as np
 import pytest
 import torch
-from lrsr.data.png import write_png
 
 from lrsr.calibration.real_pictures import RealPictures, read_real_pictures
 from lrsr.errors import InputError
+from lrsr.pictures.image_files import write_png
 
 
 def noise(seed: int, height: int = 20, width: int = 24) -> torch.Tensor:
