@@ -11,7 +11,7 @@ import io
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import torch
@@ -228,7 +228,7 @@ def _entries(path: Path, reader: Any, pictures: bool) -> Iterator[Entry]:
     for name in _REQUIRED:
         if name not in names:
             raise InputError(f"{path}, line 1: no column {name}; add it")
-    seen: set[str] = set()
+    seen: set[PurePosixPath] = set()
     for cells in rows:
         if "".join(cells[len(names) :]).strip():
             raise InputError(
@@ -237,9 +237,10 @@ def _entries(path: Path, reader: Any, pictures: bool) -> Iterator[Entry]:
             )
         values = dict(zip(names, cells, strict=False))  # what is missing at the end is empty
         entry = _entry(path, reader.line_num, values, pictures)
-        if entry.file in seen:
-            raise InputError(f"{path}, line {reader.line_num}: {entry.file} is named twice")
-        seen.add(entry.file)
+        place = PurePosixPath(entry.file)
+        if place in seen:
+            raise InputError(f"{path}, line {reader.line_num}: {place} is named twice")
+        seen.add(place)
         yield entry
 
 

@@ -113,10 +113,16 @@ def test_names_do_not_matter_to_what_is_recorded() -> None:
 
 
 @pytest.mark.parametrize(
-    "broken", [{"distance_m": 0.0}, {"height_m": math.inf}, {"eye_height_m": math.nan}]
+    ("broken", "message"),
+    [
+        ({"distance_m": 0.0}, r"standpoint\.distance_m=0: wanted a distance > 0"),
+        ({"height_m": math.inf}, r"standpoint\.height_m=inf: wanted a number"),
+        ({"eye_height_m": math.nan}, r"standpoint\.eye_height_m=nan: wanted a number"),
+    ],
+    ids=["distance", "height", "eyes"],
 )
-def test_a_standpoint_refuses_what_cannot_be(broken: dict) -> None:
-    with pytest.raises(InputError, match=r"standpoint 'bad': .*give a distance > 0"):
+def test_a_standpoint_refuses_what_cannot_be(broken: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         Standpoint("bad", **broken)
 
 
