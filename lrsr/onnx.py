@@ -23,12 +23,12 @@ from lrsr.errors import InputError
 _CPU = ("CPUExecutionProvider",)
 
 #: None: any size.
-Shape = tuple[int | None, ...]
+_Shape = tuple[int | None, ...]
 
 #: The names of a contract's fields, by table; "" is the top of the file.
-Tables = Mapping[str, Sequence[str]]
+_Tables = Mapping[str, Sequence[str]]
 
-Declared = TypeVar("Declared")
+_Declared = TypeVar("_Declared")
 
 log = logging.getLogger(__name__)
 
@@ -103,7 +103,7 @@ def run_session(
 
 
 def check_graph(
-    session: Any, model: Path, what: str, takes: Shape, returns: Shape, words: tuple[str, str]
+    session: Any, model: Path, what: str, takes: _Shape, returns: _Shape, words: tuple[str, str]
 ) -> None:
     """Hold a graph against its contract.
 
@@ -144,8 +144,8 @@ def sha256_of(path: Path) -> str:
 
 
 def read_declared(
-    kind: type[Declared], model: Path, tables: Tables, choices: Mapping[str, Sequence[object]]
-) -> Declared:
+    kind: type[_Declared], model: Path, tables: _Tables, choices: Mapping[str, Sequence[object]]
+) -> _Declared:
     """Read the contract beside ``model`` and check the model's bytes against its sha256.
 
     Args:
@@ -183,7 +183,7 @@ def read_declared(
     return kind(**found)
 
 
-def _flatten(document: Mapping[str, Any], tables: Tables, path: Path) -> Iterator[tuple[str, Any]]:
+def _flatten(document: Mapping[str, Any], tables: _Tables, path: Path) -> Iterator[tuple[str, Any]]:
     """Yield each field's full name and value, None where it is left out.
 
     Raises:
@@ -211,7 +211,7 @@ def _checked(value: Any, field: Any, name: str, path: Path) -> Any:
     return value
 
 
-def _agree(got: Sequence[object], wanted: Shape) -> bool:
+def _agree(got: Sequence[object], wanted: _Shape) -> bool:
     """Tell whether a graph's shape (numbers, or names where it is free) can be the wanted one.
 
     Where a number is wanted and the graph leaves it free, it must leave all free but the batch:
