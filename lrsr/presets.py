@@ -18,7 +18,7 @@ _PLAIN = {
 """What a mapping without ``_target_`` changes."""
 
 
-def preset(group: str, name: str, **changes: Any) -> Any:
+def preset(group: str, name: str, /, **changes: Any) -> Any:
     """Build what ``conf/GROUP/NAME.yaml`` describes: where a name becomes a value.
 
     Args:

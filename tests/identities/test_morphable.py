@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fakes.scenes import EXPRESSIONS
 
 from lrsr.identities import morphable
 from lrsr.identities.gate.gate import MOST_DRAWS, tally
@@ -266,7 +267,7 @@ def test_the_gate_does_not_choose_who_there_is(monkeypatch: pytest.MonkeyPatch) 
 def test_neither_expression_nor_texture_decides_who_is_drawn(seed: int) -> None:
     wanted = sample_parameters(seed)
     for expression, size in (("surprise", 64), ("blink", 64), ("neutral", 256)):
-        head = sample_head(seed, texture_size=size, expression=expression)
+        head = sample_head(seed, texture_size=size, expression=EXPRESSIONS[expression])
         assert head.parameters == wanted
 
 
