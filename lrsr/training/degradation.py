@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lrsr.camera.codec import jpeg
 from lrsr.recognition.alignment import CROP_PX, TEMPLATE_PX, warp
-from lrsr.recognition.faces import enlarge
+from lrsr.images import resize_bicubic
 
 TEMPLATE_IPD_PX = float(np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0]))
 """Distance of the eyes in the aligned face: 35.24 px."""
@@ -100,7 +100,7 @@ class Degradation:
             small = jpeg(small, int(rng.integers(self.jpeg_quality[0], self.jpeg_quality[1] + 1)))
         if rng.random() < self.bicubic_share:
             by = int(rng.choice((2, 4)))
-            small, factor = enlarge(small, by), factor / by
+            small, factor = resize_bicubic(small, by).clamp(0, 1), factor / by
         back = np.zeros((len(faces), 3, 3))
         back[:, 0, 0] = back[:, 1, 1] = factor
         back[:, :2, 2] = (factor - 1) / 2 - phase[:, :, 2]

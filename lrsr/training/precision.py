@@ -1,4 +1,4 @@
-"""Which arithmetic trains SRCNN fastest here without loss?
+"""Which arithmetic trains fastest here without loss?
 
 On a CPU with bfloat16 instructions, bfloat16 autocast with channels last takes a third of the time
 of float32; without them it is emulated and slower, so the processor is asked first.

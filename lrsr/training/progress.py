@@ -1,4 +1,4 @@
-"""What does one see while SRCNN trains? One bar on stderr, and one line an epoch with the gain."""
+"""What does one see while a network trains? One bar on stderr, and one line an epoch."""
 
 import sys
 from typing import Any
@@ -6,13 +6,14 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 from tqdm import tqdm
 
+from lrsr.training.learner import Learner
 
-class GainProgress(Callback):
-    """Shows the steps of the whole run, and each epoch's gain over bicubic, on stderr."""
+
+class Progress(Callback):
+    """Shows the steps of the whole run with the time left, and each epoch's figures, on stderr."""
 
     def __init__(self) -> None:
         self._bar: tqdm[Any] | None = None
-        self._best_db = float("-inf")
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Open the bar where a resumed run stands."""
@@ -30,17 +31,14 @@ class GainProgress(Callback):
         if self._bar is not None:
             self._bar.update(1)
 
-    def on_validation_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
+    def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Say what the epoch brought."""
+        if not isinstance(pl_module, Learner):
+            raise TypeError(f"{type(pl_module).__name__} is no Learner")
         figures = {name: float(value) for name, value in trainer.callback_metrics.items()}
-        gain_db = figures["val/gain_over_bicubic_db"]
-        mark = " (best so far)" if gain_db > self._best_db else ""
-        self._best_db = max(self._best_db, gain_db)
-        tqdm.write(
-            f"epoch {trainer.current_epoch + 1}/{trainer.max_epochs}:"
-            f" PSNR-Y {figures['val/psnr_y_db']:.2f} dB, {gain_db:+.2f} dB over bicubic{mark}",
-            file=sys.stderr,
-        )
+        mark = " (best so far)" if pl_module.is_best(figures) else ""
+        done = f"epoch {trainer.current_epoch + 1}/{trainer.max_epochs}"
+        tqdm.write(f"{done}: {pl_module.in_words(figures)}{mark}", file=sys.stderr)
 
     def teardown(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
         """Close the bar."""
@@ -56,11 +54,3 @@ class GainProgress(Callback):
         if self._bar is not None:
             self._bar.close()
             self._bar = None
-
-    def state_dict(self) -> dict[str, Any]:
-        """Keep the best gain, so that a resumed run marks the right epochs."""
-        return {"best_db": self._best_db}
-
-    def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Take it up again."""
-        self._best_db = state_dict["best_db"]
