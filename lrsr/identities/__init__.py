@@ -4,39 +4,15 @@ Nothing heavy is imported until the first of these names is used.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from lrsr.identities.face.expression import Expression, find_expression
-    from lrsr.identities.head import LANDMARK_NAMES, Head, Part
-    from lrsr.identities.morphable import RECIPE_VERSION, sample_head, sample_parameters
-    from lrsr.identities.splits import identity_seed, split_of
 
 _HOMES = {
     "Expression": "face.expression",
     "Head": "head",
-    "LANDMARK_NAMES": "head",
-    "Part": "head",
-    "RECIPE_VERSION": "morphable",
-    "find_expression": "face.expression",
-    "identity_seed": "splits",
+    "Person": "person",
     "sample_head": "morphable",
-    "sample_parameters": "morphable",
-    "split_of": "splits",
 }
 
-__all__ = [
-    "LANDMARK_NAMES",
-    "RECIPE_VERSION",
-    "Expression",
-    "Head",
-    "Part",
-    "find_expression",
-    "identity_seed",
-    "sample_head",
-    "sample_parameters",
-    "split_of",
-]
+__all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> object:

@@ -16,7 +16,7 @@ from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
 from lrsr.identities.appearance import SkinMaps, SkinPainter, sample_appearance
-from lrsr.identities.face.expression import Expression, find_expression
+from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.identities.face.eyes import Eyes, eye_chart, eyeball_vertices, unit_ball
 from lrsr.identities.face.iris import paint_eye
 from lrsr.identities.face.lashes import lash_faces, place_lashes
@@ -226,7 +226,7 @@ def sample_head(
     *,
     texture_size: int = 1024,
     population: Population = EVERYBODY,
-    expression: str | Expression = "neutral",
+    expression: Expression = NEUTRAL,
 ) -> Head:
     """Make the person of a seed.
 
@@ -234,7 +234,7 @@ def sample_head(
         seed: >= 0; see :func:`lrsr.identities.splits.identity_seed`.
         texture_size: Rows and columns of the skin's texture, >= 64.
         population: From whom the person is drawn.
-        expression: What the face does, beyond the person's resting face: a name or face units.
+        expression: What the face does, beyond the person's resting face.
             The person is the same: no texture changes, nor do eyeballs and pupils.
 
     Returns:
@@ -243,12 +243,10 @@ def sample_head(
         for all seeds.
 
     Raises:
-        InputError: There is no such expression.
         ValueError: The seed is negative or the texture smaller than 64.
     """
-    worn = find_expression(expression)
     parameters, face = _draw_person(seed, population)
-    acting, points = act(face, worn)
+    acting, points = act(face, expression)
     eyes, surface = face.eyes, load_basis().surface
     points = cavity().hollow(points)
     maps = _paint_skin(parameters, texture_size)

@@ -1,4 +1,4 @@
-"""What is recorded of a person? Sex, age, ancestry, how light the skin is, and what the gate did.
+"""Who can be made, and what is recorded of them? Sex, age, ancestry, skin, what the gate did.
 
 Skin is classed by its individual typology angle (ITA), the angle between lightness and yellowness
 above the middle grey of CIELAB (Chardin, Hourseau and Bazin, "Skin colour typology and suntanning
@@ -7,14 +7,19 @@ and Bernerd, "Variations in skin colour", Br. J. Dermatol. 169 (s3), 2013).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lrsr.configuration import as_whole
+from lrsr.errors import InputError
+from lrsr.identities.face.expression import Expression
 from lrsr.identities.head import Head
+from lrsr.identities.population import EVERYBODY, Population
+from lrsr.identities.splits import LARGEST_INDEX, SPLITS, Split, identity_seed
 
 TONES = {
     "very light": 55.0,
@@ -37,6 +42,65 @@ _LINEAR_SRGB_TO_XYZ = np.array(
 
 @dataclass(frozen=True)
 class Person:
+    """Somebody who can be made: one draw from the shape space.
+
+    Attributes:
+        split: Which people; the three splits have nobody in common.
+        index: Number within the split, 0 to 2**36.
+        draw: How often the person was redrawn; see :mod:`lrsr.identities.roster`.
+        population: From whom the person is drawn.
+
+    Raises:
+        InputError: A value is out of its range.
+    """
+
+    split: Split
+    index: int
+    draw: int = 0
+    population: Population = EVERYBODY
+
+    def __post_init__(self) -> None:
+        if self.split not in SPLITS:
+            raise InputError(f"identities.split={self.split}: wanted one of {', '.join(SPLITS)}")
+        for name, largest in (("index", LARGEST_INDEX), ("draw", 2**20)):
+            value = as_whole(getattr(self, name), f"identities {name}")
+            if not 0 <= value <= largest:
+                raise InputError(f"identities {name}={value}: wanted 0 to {largest}")
+            object.__setattr__(self, name, value)
+
+    @property
+    def id(self) -> str:
+        """Stable name: split and number, and what sets them apart from that one.
+
+        Example:
+            >>> Person("test", 7).id
+            'test-00007'
+            >>> Person("test", 7, draw=1, population=Population("female")).id
+            'test-00007-female-draw1'
+        """
+        words = [self.split, f"{self.index:05d}", self.population.tag]
+        return "-".join(filter(None, [*words, f"draw{self.draw}" if self.draw else ""]))
+
+    def head(self, expression: Expression, texture_size: int) -> Head:
+        """Build the head.
+
+        Args:
+            expression: What the face does.
+            texture_size: Of the albedo, px.
+        """
+        from lrsr.identities.morphable import sample_head  # measures the space: a second
+
+        head = sample_head(
+            identity_seed(self.split, self.index, self.draw),
+            texture_size=texture_size,
+            population=self.population,
+            expression=expression,
+        )
+        return replace(head, identity_id=self.id)
+
+
+@dataclass(frozen=True)
+class Traits:
     """The part of a head's parameters that a study is grouped by.
 
     Attributes:
@@ -57,7 +121,7 @@ class Person:
     gate: Mapping[str, Any] | None = None
 
 
-def describe(head: Head) -> Person:
+def describe(head: Head) -> Traits:
     """Say who a head is.
 
     Args:
@@ -69,7 +133,7 @@ def describe(head: Head) -> Person:
     """
     drawn = head.parameters
     ita_deg = typology_angle_deg(cheek_reflectance(head))
-    return Person(
+    return Traits(
         sex=str(drawn["sex"]),
         age_years=round(float(drawn["age_years"]), 2),  # type: ignore[arg-type]  # a number
         ancestry={

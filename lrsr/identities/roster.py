@@ -6,14 +6,16 @@ experiment runs on people who were checked to be different from one another.
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
+from lrsr.configuration import require
 from lrsr.errors import InputError
 from lrsr.files import write_json
+from lrsr.identities.person import Person
 from lrsr.identities.population import (
     ANCESTRIES,
     EVERYBODY,
@@ -22,7 +24,7 @@ from lrsr.identities.population import (
     Population,
     population_from,
 )
-from lrsr.identities.splits import SPLITS, Split
+from lrsr.identities.splits import LARGEST_INDEX, SPLITS, Split
 
 FORMAT = 1
 
@@ -111,21 +113,36 @@ class Cast:
             )
         return roster.draws.get(index, 0)
 
+    def person(self, split: Split, index: int) -> Person:
+        """Return somebody, as often redrawn as the roster says.
 
-UNCHECKED = Cast()
+        Raises:
+            InputError: The roster is of that split but does not reach to that person.
+        """
+        return Person(split, index, self.draw(split, index), self.population)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Casting:
-    """The settings that say who is cast, as plain values; see ``conf/identities``.
+class IdentityRange:
+    """Who takes part, as plain values: ``count`` people of a split, from number ``start`` on.
 
     Attributes:
+        split: "train", "validation" or "test"; nobody is in two of them.
+        start: Number of the first one.
+        count: How many.
         sex: See :class:`~lrsr.identities.population.Population`, as the next two.
         ancestry: Some of african, asian, caucasian.
         age_years: Youngest and oldest.
         roster: Path of a roster; None: nobody was redrawn.
+
+    Raises:
+        InputError: A number is out of its range, there is no such split or population, or the
+            roster cannot be used or does not reach that far.
     """
 
+    split: str = "test"
+    start: int = 0
+    count: int = 100
     sex: str = "any"
     ancestry: tuple[str, ...] = ANCESTRIES
     age_years: tuple[float, float] = (YOUNGEST_YEARS, OLDEST_YEARS)
@@ -134,35 +151,32 @@ class Casting:
     def __post_init__(self) -> None:
         for name in ("ancestry", "age_years"):  # a configuration hands out lists
             object.__setattr__(self, name, tuple(getattr(self, name)))
+        require(self.split in SPLITS, "identities.split", self.split, f"one of {SPLITS}")
+        last = LARGEST_INDEX - self.count + 1
+        require(1 <= self.count <= LARGEST_INDEX, "identities.count", self.count, "at least 1")
+        require(0 <= self.start <= last, "identities.start", self.start, f"0 to {last}")
+        roster = self.cast.roster
+        if roster is not None:
+            wanted = f"{roster.split}, as the roster's"
+            require(roster.split == self.split, "identities.split", self.split, wanted)
+        for index in (self.start, self.start + self.count - 1):
+            self.person(index)  # refuses who is not on the roster
 
     @cached_property
     def cast(self) -> Cast:
-        """Who is cast.
-
-        Raises:
-            InputError: There is no such population, or the roster cannot be used.
-        """
+        """From whom they are drawn, and who of them was redrawn."""
         population = population_from(asdict(self))
         if self.roster is None:
             return Cast(population)
         return Cast(population, read_roster(Path(self.roster).expanduser()))
 
+    def person(self, index: int) -> Person:
+        """Return somebody by the number within the split."""
+        return self.cast.person(cast("Split", self.split), index)
 
-def make_cast(
-    sex: str, ancestry: Sequence[str], age_years: Sequence[float], roster: str | None
-) -> Cast:
-    """Say who is cast, from a composed configuration; see :class:`Casting`.
-
-    Raises:
-        InputError: There is no such population, or the roster cannot be used.
-    """
-    low_high: tuple[float, ...] = tuple(age_years)
-    return Casting(
-        sex=sex,
-        ancestry=tuple(ancestry),
-        age_years=low_high,  # type: ignore[arg-type]  # its length is checked by the population
-        roster=roster,
-    ).cast
+    def people(self) -> list[Person]:
+        """Return everyone, in order."""
+        return [self.person(index) for index in range(self.start, self.start + self.count)]
 
 
 def write_roster(path: Path, roster: Roster) -> Path:

@@ -4,49 +4,24 @@ Nothing heavy is imported until one of these names is used, and Mitsuba not befo
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from lrsr.rendering.lens import Lens, find_lens
-    from lrsr.rendering.radiance import Radiance
-    from lrsr.rendering.renderer import Renderer, render
-    from lrsr.rendering.scene import Light, Lighting, Panel, Pose, find_lighting, find_pose
-    from lrsr.rendering.standpoint import Standpoint, find_standpoint
-    from lrsr.rendering.surfaces import Surface
 
 _HOMES = {
+    "Film": "scene",
     "Lens": "lens",
-    "find_lens": "lens",
-    "Surface": "surfaces",
+    "Light": "lights",
+    "Lighting": "lighting",
+    "Panel": "lights",
+    "Pose": "pose",
+    "Quality": "scene",
     "Radiance": "radiance",
     "Renderer": "renderer",
-    "render": "renderer",
-    "Light": "scene",
-    "Lighting": "scene",
-    "Panel": "scene",
+    "Scene": "scene",
+    "Skin": "skin",
     "Standpoint": "standpoint",
-    "find_standpoint": "standpoint",
-    "Pose": "scene",
-    "find_lighting": "scene",
-    "find_pose": "scene",
+    "render": "renderer",
 }
 
-__all__ = [
-    "Lens",
-    "Light",
-    "Lighting",
-    "Panel",
-    "Pose",
-    "Radiance",
-    "Renderer",
-    "Standpoint",
-    "Surface",
-    "find_lens",
-    "find_lighting",
-    "find_pose",
-    "find_standpoint",
-    "render",
-]
+__all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> object:

@@ -23,9 +23,9 @@ from lrsr.errors import InputError
 from lrsr.rendering.backend import start
 from lrsr.rendering.bands import band_edges
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint
-from lrsr.rendering.lens import LENSES, Lens
+from lrsr.rendering.lens import PINHOLE, Lens
 from lrsr.rendering.mounted_lens import mount
-from lrsr.rendering.scene import Pose
+from lrsr.rendering.pose import Pose
 from lrsr.rendering.stage import world_to_head
 from lrsr.rendering.wavelengths import draw_wavelengths, split
 
@@ -48,7 +48,7 @@ def expose(
     scale: int,
     samples: int,
     seed: int,
-    lens: Lens = LENSES["pinhole"],
+    lens: Lens = PINHOLE,
     focus_mm: float = math.inf,
     bands: int = 0,
 ) -> NDArray[np.float32]:

@@ -5,14 +5,13 @@ the reference camera. It is focused by moving the film to where paraxial rays me
 pupil stands where the pinhole would, so that all lenses show the same frame.
 """
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from lrsr.configuration import settle_numbers
 from lrsr.errors import InputError
 from lrsr.rendering.glass import AIR
-from lrsr.rendering.prescriptions import DOUBLE_GAUSS, biconvex
 from lrsr.rendering.surfaces import Surface, entrance_pupil, focal_length_mm, stop_number
 
 CHANNELS_NM = (611.4, 549.1, 464.2)
@@ -56,10 +55,11 @@ class Lens:
         given: Iterable[Any] = self.surfaces  # Hydra hands over lists of mappings
         surfaces = tuple(row if isinstance(row, Surface) else Surface(**row) for row in given)
         object.__setattr__(self, "surfaces", surfaces)
+        settle_numbers(self, "lens", "f_number", "focus_m")
         for name in ("f_number", "focus_m"):
             value = getattr(self, name)
-            if value is not None and not 0 < value < math.inf:
-                raise InputError(f"lens {self.name!r}: {name}={value}; give a number > 0")
+            if value is not None and value <= 0:
+                raise InputError(f"lens.{name}={value:g}: wanted a number > 0")
         if surfaces:
             self._check_surfaces()
 
@@ -111,31 +111,5 @@ class Lens:
         return (*surfaces[:stop], stopped, *surfaces[stop + 1 :])
 
 
-LENSES = {
-    lens.name: lens
-    for lens in (
-        Lens("pinhole"),
-        Lens("thin", f_number=1.4),
-        Lens("single", biconvex(3.0, 1.0, 1.05, "N-BK7"), f_number=4.0),
-        Lens("double_gauss", DOUBLE_GAUSS),
-    )
-}
-"""Lenses by name: thin has the reference camera's aperture; single is a biconvex lens of N-BK7 that
-glows by spherical aberration (the paper's Fig. 10); double_gauss is F/2, eleven surfaces."""
-
-
-def find_lens(name: str | Lens, **changes: Any) -> Lens:
-    """Return a lens by its name, or the lens itself; ``changes`` replace fields.
-
-    Raises:
-        InputError: There is no lens of that name.
-
-    Example:
-        >>> find_lens("single", f_number=2.8).f_number
-        2.8
-    """
-    if isinstance(name, Lens):
-        return replace(name, **changes)
-    if name not in LENSES:
-        raise InputError(f"lens {name!r} does not exist; choose one of {', '.join(LENSES)}")
-    return replace(LENSES[name], **changes)
+PINHOLE = Lens("pinhole")
+"""Everything is sharp."""

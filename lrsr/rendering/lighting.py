@@ -6,15 +6,15 @@ every pose.
 """
 
 import hashlib
-import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.configuration import settle_numbers
 from lrsr.errors import InputError
 from lrsr.rendering.lights import NEW, Light, Panel, check_colour, colour_of, spare
 
@@ -62,7 +62,7 @@ class Lighting:
         panels = tuple(panel if isinstance(panel, Panel) else Panel(**panel) for panel in near)
         object.__setattr__(self, "lights", lights)
         object.__setattr__(self, "panels", panels)
-        object.__setattr__(self, "fill_rgb", tuple(self.fill_rgb))
+        settle_numbers(self, "lighting", "fill_share", "fill_rgb", "fill_kelvin", "map_deg")
         count = len(lights) + len(panels)
         if not 0 <= self.fill_share <= 1 or (self.fill_share == 1) == bool(count):
             raise InputError(
@@ -72,8 +72,6 @@ class Lighting:
         check_colour(f"lighting {self.name!r}: fill_rgb", self.fill_rgb, self.fill_kelvin)
         if self.map is not None and not Path(self.map).is_file():
             raise InputError(f"lighting {self.name!r}: map={self.map} is no file; give an .exr")
-        if not math.isfinite(self.map_deg):
-            raise InputError(f"lighting {self.name!r}: map_deg={self.map_deg}; give a number")
 
     @property
     def fill_colour(self) -> NDArray[np.float64]:
@@ -91,50 +89,3 @@ class Lighting:
         if self.map is not None:
             values["map"] = hashlib.sha256(Path(self.map).read_bytes()).hexdigest()
         return values
-
-
-LIGHTINGS = {
-    lighting.name: lighting
-    for lighting in (
-        Lighting("frontal", (Light(azimuth_deg=0.0, elevation_deg=10.0),)),
-        Lighting("above", (Light(azimuth_deg=0.0, elevation_deg=60.0),)),
-        Lighting("below", (Light(azimuth_deg=0.0, elevation_deg=-50.0),)),
-        Lighting("side", (Light(azimuth_deg=70.0, elevation_deg=10.0),)),
-    )
-}
-"""The paper's four lightings; it prints no positions, so these are estimated from its Fig. 6."""
-
-ROOMS = {
-    lighting.name: lighting
-    for lighting in (
-        Lighting(
-            "room_yellow",
-            fill_share=0.4,
-            fill_rgb=(1.0, 0.78, 0.45),
-            panels=(Panel((1500.0, 900.0, 900.0), 1200.0, 1500.0, kelvin=5000.0),),
-        ),
-        Lighting(
-            "room_blue",
-            fill_share=0.4,
-            fill_rgb=(0.7, 0.9, 1.3),
-            panels=(Panel((1500.0, 900.0, 900.0), 1200.0, 1500.0, kelvin=9000.0),),
-        ),
-    )
-}
-"""Two rooms as in SCFace (Grgic, Delac and Grgic 2011), where daylight through a window to one side
-was the only light: a window of 1.2 m by 1.5 m above and to the right, walls of a yellow and of a
-blue hue (sizes, places and hues estimated)."""
-
-
-def find_lighting(name: str | Lighting, **changes: Any) -> Lighting:
-    """Return a lighting by its name, or the lighting itself; ``changes`` replace fields.
-
-    Raises:
-        InputError: There is no lighting of that name.
-    """
-    if isinstance(name, Lighting):
-        return replace(name, **changes)
-    known = {**LIGHTINGS, **ROOMS}
-    if name not in known:
-        raise InputError(f"lighting {name!r} does not exist; choose one of {', '.join(known)}")
-    return replace(known[name], **changes)

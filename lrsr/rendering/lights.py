@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.configuration import settle_numbers
 from lrsr.errors import InputError
 from lrsr.rendering.colour import chromaticity, rgb_of_kelvin, unit_luminance
 
@@ -68,7 +69,7 @@ class Light:
         Raises:
             InputError: A light without power, of no colour or two, or larger than half the sky.
         """
-        object.__setattr__(self, "rgb", tuple(self.rgb))  # Hydra hands over lists
+        settle_numbers(self, "light", *(each.name for each in fields(self)))
         if not (self.irradiance > 0 and 0 < self.diameter_deg <= 180 and _is_colour(self.rgb)):
             raise InputError(
                 f"light: irradiance {self.irradiance}, diameter {self.diameter_deg}°,"
@@ -120,10 +121,9 @@ class Panel:
         Raises:
             InputError: A panel without size or power, inside the head, or of no colour or two.
         """
-        object.__setattr__(self, "position_mm", tuple(self.position_mm))
-        object.__setattr__(self, "rgb", tuple(self.rgb))
+        settle_numbers(self, "panel", *(each.name for each in fields(self)))
         numbers = (*self.position_mm, self.width_mm, self.height_mm, self.irradiance)
-        sound = len(numbers) == 6 and all(map(math.isfinite, numbers)) and min(numbers[3:]) > 0
+        sound = len(numbers) == 6 and min(numbers[3:]) > 0
         if not sound or self.distance_mm < NEAREST_MM:
             raise InputError(
                 f"panel at {self.position_mm} mm, {self.width_mm} x {self.height_mm} mm, irradiance"

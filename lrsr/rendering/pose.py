@@ -1,13 +1,11 @@
 """How is the head held? Angles by name or number, and where they take the points of a head."""
 
-import math
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.errors import InputError
+from lrsr.configuration import settle_numbers
 
 PIVOT_MM = np.array([0.0, -60.0, -90.0])
 """About which point a head turns: the joint of skull and neck, head frame, mm (estimated)."""
@@ -36,11 +34,9 @@ class Pose:
         """Refuse angles that are no numbers.
 
         Raises:
-            InputError: An angle is NaN or infinite.
+            InputError: An angle is NaN, infinite or no number.
         """
-        angles = (self.yaw_deg, self.pitch_deg, self.roll_deg)
-        if not all(math.isfinite(angle) for angle in angles):
-            raise InputError(f"pose {self.name!r}: angles {angles}; give finite numbers")
+        settle_numbers(self, "pose", "yaw_deg", "pitch_deg", "roll_deg")
 
     def rotation(self) -> NDArray[np.float64]:
         """Return the ``(3, 3)`` matrix that turns head-frame directions into the world frame.
@@ -66,30 +62,5 @@ class Pose:
         return float(x), float(y)
 
 
-POSES = {
-    pose.name: pose
-    for pose in (
-        Pose("frontal"),
-        Pose("up", pitch_deg=20.0),
-        Pose("down", pitch_deg=-20.0),
-        Pose("left", yaw_deg=30.0),
-    )
-}
-"""The paper's four poses; it prints no angles, so these are estimated from its Fig. 6."""
-
-
-def find_pose(name: str | Pose, **changes: Any) -> Pose:
-    """Return a pose by its name, or the pose itself; ``changes`` replace angles.
-
-    Raises:
-        InputError: There is no pose of that name.
-
-    Example:
-        >>> find_pose("left").yaw_deg
-        30.0
-    """
-    if isinstance(name, Pose):
-        return replace(name, **changes)
-    if name not in POSES:
-        raise InputError(f"pose {name!r} does not exist; choose one of {', '.join(POSES)}")
-    return replace(POSES[name], **changes)
+FRONTAL = Pose("frontal")
+"""Eyes on the camera."""

@@ -6,24 +6,6 @@ from lrsr.errors import InputError
 from lrsr.rendering.glass import AIR, refractive_index
 from lrsr.rendering.surfaces import Surface
 
-DOUBLE_GAUSS = (
-    Surface(58.950, 7.520, "N-BAF10", 25.2),
-    Surface(169.660, 0.240, AIR, 25.2),
-    Surface(38.550, 8.050, "N-BAF10", 23.0),
-    Surface(81.540, 6.550, "N-SF15", 23.0),
-    Surface(25.500, 11.410, AIR, 18.0),
-    Surface(0.0, 9.000, AIR, 17.1, stop=True),
-    Surface(-28.990, 2.360, "F5", 17.0),
-    Surface(81.540, 12.130, "K-LaK11", 20.0),
-    Surface(-40.770, 0.380, AIR, 20.0),
-    Surface(874.130, 6.440, "N-LAF3", 20.0),
-    Surface(-79.460, 72.228, AIR, 20.0),
-)
-"""F/2 double Gauss of 100 mm and ±22°: Tronnier, US patent 2,673,491, as W. J. Smith (Modern Lens
-Design, 1992, p. 312) and Kolb, Mitchell and Hanrahan (SIGGRAPH 1995, table 1) print it; PBRT's
-``dgauss.50mm`` is half as large. They give n_d to three digits and V_d (1.670/47.1, 1.699/30.1,
-1.603/38.0, 1.658/57.3, 1.717/48.0): these are the catalogue's glasses of those numbers."""
-
 
 def biconvex(
     focal_mm: float, thickness_mm: float, semi_aperture_mm: float, glass: str

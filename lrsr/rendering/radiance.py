@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import torch
 
-from lrsr.identities.person import Person
+from lrsr.identities.person import Traits
 from lrsr.rendering.bands import Spectrum
 
 
@@ -25,11 +25,7 @@ class Radiance:
             Lambertian sphere there would send to the camera on average, divided by 0.18. The camera
             multiplies by 1 / metered, so a white sphere averages 1. It depends on the
             lighting alone, not on who is lit, so skin tones keep their order.
-        seed: Of the sampler.
-        identity_id: Whose head it is.
-        pose: Name.
-        lighting: Name.
-        person: What is recorded of the head, where it is known.
+        traits: What is recorded of the head, where it is known.
         edges_nm: N + 1 edges of the bands, nm, rising (:mod:`lrsr.rendering.bands`); None: three
             colours.
         metered_bands: N bands of what the same meter reads; their luminance is ``metered``.
@@ -40,11 +36,7 @@ class Radiance:
     ipd_px: float
     scale: int
     metered: float
-    seed: int
-    identity_id: str
-    pose: str
-    lighting: str
-    person: Person | None = None
+    traits: Traits | None = None
     edges_nm: tuple[float, ...] | None = None
     metered_bands: tuple[float, ...] | None = None
 

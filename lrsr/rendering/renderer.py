@@ -6,17 +6,18 @@ from typing import Any
 import numpy as np
 import torch
 
+from lrsr.configuration import preset
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
 from lrsr.rendering.bands import band_edges
+from lrsr.rendering.environment import environment
 from lrsr.rendering.film import expose
 from lrsr.rendering.geometry import place_camera
-from lrsr.rendering.lens import Lens, find_lens
+from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.radiance import Radiance
-from lrsr.rendering.scene import Lighting, Pose, environment, find_lighting, find_pose
-from lrsr.rendering.skin import Skin
+from lrsr.rendering.scene import Film, Quality, Scene
+from lrsr.rendering.skin import REFLECTIVE, Skin
 from lrsr.rendering.stage import Stage
-from lrsr.rendering.standpoint import Standpoint, find_standpoint
 
 RENDERER_VERSION = "2"
 """Changes whenever the same head would give other pixels."""
@@ -35,74 +36,54 @@ class Renderer:
     """Renders heads; keeps its scene and its compiled kernels between calls.
 
     Args:
-        skin: Name of a skin model, "reflective" (opaque, the fastest), "subsurface" (translucent),
-            "volumetric" (the same, traced in full: the truth, for comparison) or another of
-            :data:`lrsr.rendering.skin.SKINS`; or any :class:`lrsr.rendering.skin.Skin`.
+        skin: How light meets skin.
         max_depth: Longest path, in edges from the camera, >= 2; volumetric skin knows no limit.
-
-    Raises:
-        InputError: There is no such skin model, or the depth is too small.
     """
 
-    def __init__(self, skin: str | Skin = "reflective", *, max_depth: int = 5) -> None:
-        if max_depth < 2:
-            raise InputError(f"max_depth={max_depth} lights nothing; give at least 2")
+    def __init__(self, skin: Skin = REFLECTIVE, *, max_depth: int = 5) -> None:
         self.max_depth = max_depth
         self._stage = Stage(skin)
-        self.skin = self._stage.skin.name
 
     def render(
         self,
         head: Head,
+        scene: Scene,
+        film: Film,
         *,
-        pose: str | Pose = "frontal",
-        lighting: str | Lighting = "frontal",
-        ipd_px: float = 8.0,
-        scale: int = 1,
-        samples_per_pixel: int = 2048,
+        samples_per_pixel: int,
         seed: int = 0,
         camera_m: float | None = None,
-        lens: str | Lens = "pinhole",
-        standpoint: str | Standpoint = "level",
-        bands: int = 0,
     ) -> Radiance:
         """Render one picture.
 
         Args:
-            head: Who.
-            pose: Name or angles.
-            lighting: Name or lights.
-            ipd_px: Interpupillary distance of the frontal face on the ×1 film, px, > 0.
-            scale: The film has ``scale`` times the pixels of the ×1 film, >= 1.
+            head: Who; already wears the scene's expression.
+            scene: Pose, lighting, lens and standpoint. A lens is focused on the eyes, unless it
+                says otherwise.
+            film: Bands need a variant that traces wavelengths.
             samples_per_pixel: Of the ×1 film; a finer one has 1/scale² of them, at least 16.
             seed: Of the sampler, >= 0.
-            camera_m: Distance of the camera, m; None: where the reference camera must stand.
-            lens: Name or surfaces. It is focused on the eyes, unless it says otherwise.
-            standpoint: Name or distance and height of the camera.
-            bands: Spectral bands to deliver instead of three colours, 7 to 350, in a variant that
-                traces wavelengths; 0: three colours.
+            camera_m: Distance of the camera, m; None: what the standpoint says, or where the
+                reference camera must stand.
 
         Returns:
             The linear picture with its landmarks.
 
         Raises:
-            InputError: No such pose, lighting, lens or standpoint, a number out of range, or bands
-                of a variant that traces colours.
+            InputError: A number out of range, bands of a variant that traces colours, or a place
+                from which the camera cannot see the face.
             NonFiniteError: A pixel is NaN or infinite.
         """
-        pose, lighting, lens = find_pose(pose), find_lighting(lighting), find_lens(lens)
-        standpoint = find_standpoint(standpoint)
-        if not ipd_px > 0 or scale < 1 or samples_per_pixel < 1 or seed < 0:
+        if samples_per_pixel < 1 or seed < 0 or not (camera_m is None or camera_m > 0):
             raise InputError(
-                f"ipd_px={ipd_px}, scale={scale}, samples_per_pixel={samples_per_pixel},"
-                f" seed={seed}: give ipd_px > 0, scale >= 1, samples_per_pixel >= 1, seed >= 0"
+                f"samples_per_pixel={samples_per_pixel}, seed={seed}, camera_m={camera_m}: give"
+                " samples_per_pixel >= 1, seed >= 0, camera_m > 0"
             )
-        if camera_m is not None and not camera_m > 0:
-            raise InputError(f"camera_m={camera_m}: give a distance > 0, in metres")
+        pose, standpoint = scene.pose, scene.standpoint
         try:
             viewpoint = place_camera(
                 head.pupils,
-                ipd_px,
+                film.ipd_px,
                 offset_mm=pose.frame_offset_mm(),
                 camera_m=standpoint.camera_m if camera_m is None else camera_m,
                 above_m=standpoint.above_m,
@@ -110,34 +91,30 @@ class Renderer:
         except ValueError as error:
             raise InputError(f"standpoint {standpoint.name!r}: {error}; give another") from error
         image = expose(
-            self._stage.show(head, lighting, pose),
+            self._stage.show(head, scene.lighting, pose),
             self._path(),
             viewpoint,
             pose,
-            scale=scale,
-            samples=max(round(samples_per_pixel / scale**2), MIN_SAMPLES),
+            scale=film.scale,
+            samples=max(round(samples_per_pixel / film.scale**2), MIN_SAMPLES),
             seed=seed,
-            lens=lens,
+            lens=scene.lens,
             focus_mm=float(viewpoint.depth_mm(pose.turn(head.pupils)).mean()),
-            bands=bands,
+            bands=film.bands,
         )
         if not np.isfinite(image).all():
             raise NonFiniteError(
-                f"head {head.identity_id}, pose {pose.name}, lighting {lighting.name}:"
+                f"head {head.identity_id}, pose {pose.name}, lighting {scene.lighting.name}:"
                 f" {int((~np.isfinite(image)).sum())} values are not finite"
             )
-        landmarks = viewpoint.project(pose.turn(head.landmarks), scale)
+        landmarks = viewpoint.project(pose.turn(head.landmarks), film.scale)
         return Radiance(
             image=torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1))),
             landmarks_px=torch.from_numpy(landmarks.astype(np.float32)),
-            ipd_px=float(ipd_px),
-            scale=scale,
-            metered=environment(lighting)[1],
-            seed=seed,
-            identity_id=head.identity_id,
-            pose=pose.name,
-            lighting=lighting.name,
-            **_spectrum(lighting, bands),
+            ipd_px=film.ipd_px,
+            scale=film.scale,
+            metered=environment(scene.lighting)[1],
+            **_spectrum(scene.lighting, film.bands),
         )
 
     def _path(self) -> Any:
@@ -155,16 +132,55 @@ def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:
 
 
 @cache
-def shared_renderer(skin: str = "reflective") -> Renderer:
-    """Return the process's one renderer of that skin."""
-    return Renderer(skin)
+def _shared_renderer(skin: Skin, max_depth: int) -> Renderer:
+    """Return the process's one renderer of that skin: its scene and kernels are used again."""
+    return Renderer(skin, max_depth=max_depth)
 
 
-def render(head: Head, **settings: Any) -> Radiance:
-    """Render one picture with the shared reflective renderer; see :meth:`Renderer.render`.
+def render(
+    head: Head,
+    *,
+    pose: str = "frontal",
+    lighting: str = "frontal",
+    lens: str = "pinhole",
+    standpoint: str = "level",
+    skin: str = "reflective",
+    ipd_px: float = 8.0,
+    scale: int = 1,
+    bands: int = 0,
+    samples_per_pixel: int = 512,
+    max_depth: int = 5,
+    seed: int = 0,
+) -> Radiance:
+    """Render one picture from names of presets, for notebooks; :class:`Renderer` takes values.
+
+    Args:
+        head: Who.
+        pose: Name of a file in ``conf/pose``, as the next ones in their groups.
+        lighting: Name.
+        lens: Name.
+        standpoint: Name.
+        skin: Name in ``conf/rendering/skin``.
+        ipd_px: See :class:`lrsr.rendering.scene.Film`, as the next two.
+        scale: How many times finer than the ×1 film: 1, 2 or 4.
+        bands: Spectral bands; 0: three colours.
+        samples_per_pixel: Of the ×1 film, at this very size.
+        max_depth: Longest light path.
+        seed: Of the sampler.
 
     Raises:
-        InputError: No such pose or lighting, or a number out of range.
+        InputError: No such preset, or a number out of range.
         NonFiniteError: A pixel is NaN or infinite.
     """
-    return shared_renderer().render(head, **settings)
+    scene = Scene(
+        lighting=preset("lighting", lighting),
+        pose=preset("pose", pose),
+        lens=preset("lens", lens),
+        standpoint=preset("standpoint", standpoint),
+    )
+    quality = Quality(samples_per_pixel, max_depth, skin=preset("rendering/skin", skin))
+    renderer = _shared_renderer(quality.skin, quality.max_depth)
+    film = Film(ipd_px, scale, bands)
+    return renderer.render(
+        head, scene, film, samples_per_pixel=quality.samples_per_pixel, seed=seed
+    )

@@ -1,26 +1,134 @@
-"""How is the head held and lit? Poses and lightings, under one roof."""
+"""What stands before the camera, how fine is its film, and how well is it rendered? Frozen values.
 
-from lrsr.rendering.colour import LUMINANCE
-from lrsr.rendering.environment import GREY, MAP_HEIGHT_PX, environment, lambert_phase
-from lrsr.rendering.lighting import LIGHTINGS, ROOMS, Lighting, find_lighting
-from lrsr.rendering.lights import Light, Panel
-from lrsr.rendering.pose import FOLLOW, PIVOT_MM, POSES, Pose, find_pose
+Names of presets (``conf/pose/left.yaml``) become these values where a configuration is read:
+:func:`lrsr.configuration.preset`.
+"""
 
-__all__ = [
-    "FOLLOW",
-    "GREY",
-    "LIGHTINGS",
-    "LUMINANCE",
-    "MAP_HEIGHT_PX",
-    "PIVOT_MM",
-    "POSES",
-    "ROOMS",
-    "Light",
-    "Lighting",
-    "Panel",
-    "Pose",
-    "environment",
-    "find_lighting",
-    "find_pose",
-    "lambert_phase",
-]
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from lrsr.configuration import as_whole, settle_numbers
+from lrsr.errors import InputError
+from lrsr.identities.face.expression import NEUTRAL, Expression
+from lrsr.rendering.lens import PINHOLE, Lens
+from lrsr.rendering.lighting import Lighting
+from lrsr.rendering.pose import FRONTAL, Pose
+from lrsr.rendering.skin import REFLECTIVE, Skin
+from lrsr.rendering.standpoint import LEVEL, Standpoint
+
+SCALES = (1, 2, 4)
+
+LEAST_SAMPLES = 64
+"""Samples a pixel of a large face, unless it is told to take fewer."""
+
+_WHOLE = {
+    "scale": (1, 4),
+    "bands": (0, 350),
+    "samples_per_pixel": (1, 2**24),
+    "max_depth": (2, 2**16),
+    "texture_size": (64, 8192),
+}
+"""Lowest and highest; of an albedo below 64 px nothing is left, and 8192 are 800 MB of floats."""
+
+
+def _settle(instance: object, group: str, *fields: str) -> None:
+    for field in fields:
+        value = as_whole(getattr(instance, field), f"{group}{field}")
+        low, high = _WHOLE[field]
+        if not low <= value <= high:
+            raise InputError(f"{group}{field}={value}: wanted {low} to {high}")
+        object.__setattr__(instance, field, value)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What stands before the camera, but for who it is.
+
+    Attributes:
+        lighting: All light that reaches the face.
+        pose: How the head is turned.
+        lens: What the camera looks through.
+        standpoint: Where the camera stands.
+        expression: What the face does.
+    """
+
+    lighting: Lighting
+    pose: Pose = FRONTAL
+    lens: Lens = PINHOLE
+    standpoint: Standpoint = LEVEL
+    expression: Expression = NEUTRAL
+
+    def describe(self) -> dict[str, Any]:
+        """Return all of it in plain values, names included."""
+        return {
+            "lighting": self.lighting.record(),
+            "pose": asdict(self.pose),
+            "lens": {"name": self.lens.name, **self.lens.record()},
+            "standpoint": asdict(self.standpoint),
+            "expression": asdict(self.expression),
+        }
+
+
+@dataclass(frozen=True)
+class Film:
+    """How large and how fine the picture is.
+
+    Attributes:
+        ipd_px: Interpupillary distance of the frontal face on the ×1 film, px, > 0 and < 2000.
+        scale: How many times finer than the ×1 film: 1, 2 or 4.
+        bands: Spectral bands, 7 to 350; 0: three colours. See :mod:`lrsr.spectra`.
+
+    Raises:
+        InputError: A number is out of its range.
+    """
+
+    ipd_px: float = 8.0
+    scale: int = 1
+    bands: int = 0
+
+    def __post_init__(self) -> None:
+        settle_numbers(self, "film", "ipd_px")
+        _settle(self, "", "scale", "bands")
+        if not 0 < self.ipd_px < 2000:
+            raise InputError(f"ipd_px={self.ipd_px:g}: wanted a number of pixels > 0 and < 2000")
+        if self.scale not in SCALES:
+            raise InputError(f"scale={self.scale}: wanted one of {SCALES}")
+        if 0 < self.bands < 7:
+            raise InputError(f"bands={self.bands}: wanted 0, or 7 to 350")
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How well light is traced, and what skin it meets.
+
+    Attributes:
+        samples_per_pixel: Of the ×1 film; a finer one spreads the same rays over more pixels.
+        max_depth: Longest light path, in edges from the camera, >= 2; volumetric skin knows none.
+        texture_size: Side of the head's albedo, px, 64 to 8192.
+        skin: How light meets skin.
+
+    Raises:
+        InputError: A number is out of its range.
+    """
+
+    samples_per_pixel: int = 512
+    max_depth: int = 5
+    texture_size: int = 1024
+    skin: Skin = REFLECTIVE
+
+    def __post_init__(self) -> None:
+        _settle(self, "rendering.", "samples_per_pixel", "max_depth", "texture_size")
+
+    def at(self, ipd_px: float) -> "Quality":
+        """Return the quality of a film of that size, where this one is that of 8 px.
+
+        A larger face gets the same number of rays, so that it is as free of noise after alignment,
+        but at least :data:`LEAST_SAMPLES` a pixel (or as many as this one has).
+
+        Example:
+            >>> Quality(512).at(16).samples_per_pixel
+            128
+        """
+        fair = round(self.samples_per_pixel * min(1.0, 8 / ipd_px) ** 2)
+        samples = min(self.samples_per_pixel, max(fair, LEAST_SAMPLES))
+        return replace(self, samples_per_pixel=samples)

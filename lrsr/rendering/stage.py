@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 
 from lrsr.identities.head import Head, Part
 from lrsr.rendering.backend import start
+from lrsr.rendering.environment import environment
 from lrsr.rendering.lamps import describe_panels, map_data, move_panels
+from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.materials import MATERIALS, bsdf
-from lrsr.rendering.scene import PIVOT_MM, Lighting, Pose, environment
-from lrsr.rendering.skin import Skin, find_skin
+from lrsr.rendering.pose import PIVOT_MM, Pose
+from lrsr.rendering.skin import Skin
 from lrsr.rendering.skin_spectrum import VALUES, skin_albedo
 from lrsr.rendering.volume import (
     LONGEST_PATH,
@@ -35,14 +37,11 @@ class Stage:
     """One scene that lives on.
 
     Args:
-        skin: Name of a skin, or any other.
-
-    Raises:
-        InputError: There is no such skin.
+        skin: How light meets skin.
     """
 
-    def __init__(self, skin: str | Skin) -> None:
-        self.skin = find_skin(skin)
+    def __init__(self, skin: Skin) -> None:
+        self.skin = skin
         self._surfaces: list[Any] = []
         self._integrator: Any = None
         self._scene: Any = None

@@ -1,9 +1,9 @@
 """From where does the camera look? At eye level, or from a height and a distance on the floor."""
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
+from lrsr.configuration import settle_numbers
 from lrsr.errors import InputError
 
 EYE_HEIGHT_M = 1.6
@@ -34,13 +34,9 @@ class Standpoint:
         Raises:
             InputError: A distance that is not positive, or a number that is none.
         """
-        given = (self.height_m or 0.0, self.eye_height_m)
-        near = self.distance_m is not None and not 0 < self.distance_m < math.inf
-        if near or not all(map(math.isfinite, given)):
-            raise InputError(
-                f"standpoint {self.name!r}: distance_m={self.distance_m}, height_m={self.height_m},"
-                f" eye_height_m={self.eye_height_m}; give a distance > 0 and finite heights"
-            )
+        settle_numbers(self, "standpoint", "distance_m", "height_m", "eye_height_m")
+        if self.distance_m is not None and self.distance_m <= 0:
+            raise InputError(f"standpoint.distance_m={self.distance_m:g}: wanted a distance > 0")
 
     @property
     def above_m(self) -> float:
@@ -52,7 +48,7 @@ class Standpoint:
         """Straight from the eyes to the camera, m; None where the reference camera says it.
 
         Example:
-            >>> round(STANDPOINTS["scface_near"].camera_m, 3)
+            >>> round(Standpoint("near", distance_m=1.0, height_m=2.25).camera_m, 3)
             1.193
         """
         return None if self.distance_m is None else math.hypot(self.distance_m, self.above_m)
@@ -62,32 +58,5 @@ class Standpoint:
         return {"camera_m": self.camera_m, "above_m": self.above_m}
 
 
-STANDPOINTS = {
-    place.name: place
-    for place in (
-        Standpoint("level"),
-        Standpoint("scface_far", 4.2, 2.25),
-        Standpoint("scface_middle", 2.6, 2.25),
-        Standpoint("scface_near", 1.0, 2.25),
-    )
-}
-"""Standpoints by name; SCFace (Grgic, Delac and Grgic 2011) has its cameras 2.25 m above the floor
-and its subjects 4.2, 2.6 and 1.0 m away."""
-
-
-def find_standpoint(name: str | Standpoint, **changes: Any) -> Standpoint:
-    """Return a standpoint by its name, or the standpoint itself; ``changes`` replace fields.
-
-    Raises:
-        InputError: There is no standpoint of that name.
-
-    Example:
-        >>> find_standpoint("scface_far", eye_height_m=1.8).above_m
-        0.44999999999999996
-    """
-    if isinstance(name, Standpoint):
-        return replace(name, **changes)
-    if name not in STANDPOINTS:
-        known = ", ".join(STANDPOINTS)
-        raise InputError(f"standpoint {name!r} does not exist; choose one of {known}")
-    return replace(STANDPOINTS[name], **changes)
+LEVEL = Standpoint("level")
+"""At the height of the eyes, where the reference camera must stand."""

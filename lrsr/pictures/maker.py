@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Protocol
 
-from lrsr.data.recipe import ProbeRecipe
+from lrsr.pictures.recipe import Recipe
 
 if TYPE_CHECKING:
     from lrsr.identities.head import Head
@@ -21,10 +21,10 @@ class Maker(Protocol):
     def versions(self) -> Mapping[str, str]:
         """Versions of everything that changes pixels; part of every key of the cache."""
 
-    def head(self, recipe: ProbeRecipe) -> "Head":
+    def head(self, recipe: Recipe) -> "Head":
         """Build the person of ``recipe``; called in a thread of its own."""
 
-    def render(self, head: "Head", recipe: ProbeRecipe) -> "Radiance":
+    def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render ``head`` as ``recipe`` says; called in the main thread."""
 
 
@@ -32,7 +32,7 @@ class MitsubaMaker:
     """The procedural heads of :mod:`lrsr.identities`, rendered by :mod:`lrsr.rendering`."""
 
     def __init__(self) -> None:
-        self._renderers: dict[tuple[str | Skin, int], Renderer] = {}
+        self._renderers: dict[tuple[Skin, int], Renderer] = {}
 
     @property
     def versions(self) -> Mapping[str, str]:
@@ -49,41 +49,27 @@ class MitsubaMaker:
             **({"spectra": SPECTRA_VERSION} if variant.endswith("spectral") else {}),
         }
 
-    def head(self, recipe: ProbeRecipe) -> "Head":
+    def head(self, recipe: Recipe) -> "Head":
         """Build the person of ``recipe``, under the name that the split gives."""
-        from lrsr.identities.morphable import sample_head
-        from lrsr.identities.splits import identity_seed
+        return recipe.person.head(recipe.scene.expression, recipe.quality.texture_size)
 
-        seed = identity_seed(recipe.split, recipe.index, recipe.draw)
-        head: Head = sample_head(
-            seed,
-            texture_size=recipe.texture_size,
-            population=recipe.population,
-            expression=recipe.expression,
-        )
-        return replace(head, identity_id=recipe.identity_id)
-
-    def render(self, head: "Head", recipe: ProbeRecipe) -> "Radiance":
+    def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render with the one renderer of that skin model, whose scene is updated in place."""
         from lrsr.identities.person import describe
         from lrsr.rendering.renderer import Renderer
 
-        model = (recipe.skin, recipe.max_depth)
+        quality = recipe.quality
+        model = (quality.skin, quality.max_depth)
         if model not in self._renderers:
-            self._renderers[model] = Renderer(skin=recipe.skin, max_depth=recipe.max_depth)
+            self._renderers[model] = Renderer(quality.skin, max_depth=quality.max_depth)
         radiance = self._renderers[model].render(
             head,
-            pose=recipe.pose,
-            lighting=recipe.lighting,
-            ipd_px=recipe.ipd_px,
-            scale=recipe.scale,
-            samples_per_pixel=recipe.samples_per_pixel,
+            recipe.scene,
+            recipe.film,
+            samples_per_pixel=quality.samples_per_pixel,
             seed=recipe.seed,
-            lens=recipe.lens,
-            standpoint=recipe.standpoint,
-            bands=recipe.bands,
         )
-        return replace(radiance, person=describe(head))
+        return replace(radiance, traits=describe(head))
 
 
 @cache

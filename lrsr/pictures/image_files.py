@@ -1,4 +1,4 @@
-"""How does a picture become a file, and a file a picture? PNG, nothing lost."""
+"""How does a picture become a file, and a file a picture? PNG, nothing lost; any format read."""
 
 from pathlib import Path
 
@@ -28,8 +28,12 @@ def write_png(path: Path, image: torch.Tensor, *, bits: int = 8) -> None:
     write_bytes(path, file.tobytes(), durable=False)  # quickly made again
 
 
-def read_png(path: Path) -> torch.Tensor:
-    """Read a picture of 8 or 16 bits a channel as ``(3, H, W)`` float32, [0, 1], RGB.
+SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
+"""Of files that are taken for pictures, in small letters."""
+
+
+def read_image(path: Path) -> torch.Tensor:
+    """Read a picture of 8 or 16 bits a channel, turned as its Exif says, as ``(3, H, W)`` float32, [0, 1], RGB.
 
     Raises:
         InputError: There is no such file, it cannot be read, or it is no whole picture.

@@ -2,74 +2,28 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import torch
 from tqdm import tqdm
 
 from lrsr.camera import Camera
-from lrsr.data.cache import RenderCache
-from lrsr.data.maker import Maker, mitsuba_maker
-from lrsr.data.recipe import ProbeRecipe
 from lrsr.errors import InputError
-from lrsr.identities.face.expression import find_expression
-from lrsr.identities.person import Person
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.picture import Picture
+from lrsr.pictures.recipe import Recipe
 from lrsr.rendering.radiance import Radiance, spectrum_of
 
 if TYPE_CHECKING:
     from lrsr.identities.head import Head
 
-__all__ = [
-    "Probe",
-    "ProbeRecipe",
-    "filmed",
-    "load_probes",
-    "load_radiances",
-    "photograph",
-    "render_missing",
-    "stack",
-]
-
-_CHUNK = 64
+CHUNK = 64
 """Renderings held in memory at once on their way through the camera."""
 
 
-@dataclass(frozen=True)
-class Probe:
-    """One picture that a camera has taken, and what is known of it.
-
-    Attributes:
-        image: ``(3, H, W)`` float32, srgb, [0, 1], multiples of 1/255.
-        landmarks_px: ``(5, 2)`` float32, (x, y) in pixels of ``image``, the order of
-            :data:`lrsr.identities.head.LANDMARK_NAMES`.
-        ipd_px: Interpupillary distance of the frontal face on the ×1 film, px.
-        scale: How many times finer than the ×1 film.
-        identity_id: Who it is.
-        pose: Name.
-        lighting: Name.
-        compression: Name.
-        camera: Name of the preset.
-        seed: Of the sampler.
-        kind: "probe" or "gallery".
-        person: What is recorded of who it shows, where it is known.
-    """
-
-    image: torch.Tensor
-    landmarks_px: torch.Tensor
-    ipd_px: float
-    scale: int
-    identity_id: str
-    pose: str
-    lighting: str
-    compression: str
-    camera: str
-    seed: int
-    kind: str
-    person: Person | None = None
-
-
-def filmed(recipe: ProbeRecipe, camera: Camera) -> ProbeRecipe:
+def filmed(recipe: Recipe, camera: Camera) -> Recipe:
     """Return what is rendered for a picture: the film of a camera with a lens is finer.
 
     That of a camera with measured filters holds spectral bands. The sampler keeps its seed. Nothing
@@ -83,14 +37,13 @@ def filmed(recipe: ProbeRecipe, camera: Camera) -> ProbeRecipe:
         InputError: No film is that fine: references of a camera with a lens are taken by
             :meth:`lrsr.camera.Camera.clean`.
     """
-    finer, bands = camera.supersampling, recipe.bands or camera.bands
-    if finer == 1 and bands == recipe.bands:
-        return recipe
-    return replace(recipe, scale=recipe.scale * finer, bands=bands)
+    film = recipe.film
+    finer, bands = camera.supersampling, film.bands or camera.bands
+    return replace(recipe, film=replace(film, scale=film.scale * finer, bands=bands))
 
 
 def render_missing(
-    recipes: Iterable[ProbeRecipe],
+    recipes: Iterable[Recipe],
     cache: RenderCache,
     *,
     progress: bool = True,
@@ -116,13 +69,13 @@ def render_missing(
     maker = maker or mitsuba_maker()
     cache.sweep()
     versions = maker.versions
-    keyed = {cache.key(recipe.plain(versions)): recipe for recipe in recipes}
+    keyed = {cache.key(recipe, versions): recipe for recipe in recipes}
     missing = {key: recipe for key, recipe in keyed.items() if cache.get(key) is None}
     if not missing:
         return 0
     people: dict[tuple[object, ...], list[str]] = {}
     for key, recipe in missing.items():
-        shown = (recipe.identity_id, recipe.texture_size, find_expression(recipe.expression))
+        shown = (recipe.person, recipe.quality.texture_size, recipe.scene.expression)
         people.setdefault(shown, []).append(key)
     firsts = [missing[keys[0]] for keys in people.values()]
     with tqdm(total=len(missing), desc="rendering", unit="image", disable=not progress) as bar:
@@ -133,7 +86,7 @@ def render_missing(
     return len(missing)
 
 
-def _heads(maker: Maker, recipes: Sequence[ProbeRecipe]) -> Iterator["Head"]:
+def _heads(maker: Maker, recipes: Sequence[Recipe]) -> Iterator["Head"]:
     """Build one head ahead of the one that is being rendered."""
     builder = ThreadPoolExecutor(max_workers=1, thread_name_prefix="lrsr-head")
     try:
@@ -148,7 +101,7 @@ def _heads(maker: Maker, recipes: Sequence[ProbeRecipe]) -> Iterator["Head"]:
 
 
 def load_radiances(
-    recipes: Sequence[ProbeRecipe],
+    recipes: Sequence[Recipe],
     cache: RenderCache,
     *,
     progress: bool = True,
@@ -166,7 +119,7 @@ def load_radiances(
         InputError: The cache cannot be read or written, or loses what is written to it.
     """
     maker = maker or mitsuba_maker()
-    keys = [cache.key(recipe.plain(maker.versions)) for recipe in recipes]
+    keys = [cache.key(recipe, maker.versions) for recipe in recipes]
     radiances = [cache.get(key) for key in keys]
     if any(radiance is None for radiance in radiances):
         render_missing(recipes, cache, progress=progress, maker=maker)
@@ -177,14 +130,14 @@ def load_radiances(
     return found
 
 
-def load_probes(
-    recipes: Sequence[ProbeRecipe],
+def take_pictures(
+    recipes: Sequence[Recipe],
     cache: RenderCache,
     camera: Camera,
     *,
     progress: bool = True,
     maker: Maker | None = None,
-) -> list[Probe]:
+) -> list[Picture]:
     """Take one picture for each recipe, in their order; what is not rendered yet is rendered.
 
     Args:
@@ -198,76 +151,56 @@ def load_probes(
     Raises:
         InputError: The cache cannot be read or written, or loses what is written to it.
     """
-    probes: list[Probe] = []
-    for start in range(0, len(recipes), _CHUNK):
-        chunk = recipes[start : start + _CHUNK]
+    pictures: list[Picture] = []
+    for start in range(0, len(recipes), CHUNK):
+        chunk = recipes[start : start + CHUNK]
         films = [filmed(recipe, camera) for recipe in chunk]
         radiances = load_radiances(films, cache, progress=progress, maker=maker)
-        probes += photograph(radiances, camera, [recipe.kind for recipe in chunk])
-    return probes
+        pictures += photograph(chunk, radiances, camera)
+    return pictures
 
 
-def photograph(radiances: Sequence[Radiance], camera: Camera, kinds: Sequence[str]) -> list[Probe]:
+def photograph(
+    recipes: Sequence[Recipe], radiances: Sequence[Radiance], camera: Camera
+) -> list[Picture]:
     """Send light through the camera, images of one size together; there is no gradient.
 
     Args:
-        radiances: Of any sizes, on films as fine as the camera wants them (:func:`filmed`).
-        camera: Takes the pictures; a radiance's seed is that of its picture's noise.
-        kinds: "probe" or "gallery", one for each.
+        recipes: Of the pictures; the seed is that of the noise, too.
+        radiances: Their light, on films as fine as the camera wants them (:func:`filmed`).
+        camera: Takes the pictures.
 
     Raises:
         InputError: A film is not as fine as the camera wants it.
     """
     finer = camera.supersampling
-    for radiance in radiances:
+    alike: dict[object, list[int]] = {}
+    for i, radiance in enumerate(radiances):
         if radiance.scale % finer:
             raise InputError(
                 f"a film of scale {radiance.scale} in camera {camera.name!r}: wanted {finer} times "
                 "the picture's"
             )
-    alike: dict[object, list[int]] = {}
-    for i, radiance in enumerate(radiances):
         alike.setdefault((radiance.image.shape, radiance.edges_nm), []).append(i)
     images: dict[int, torch.Tensor] = {}
     for members in alike.values():
         linear = torch.stack([radiances[i].image for i in members])
         metered = torch.tensor([radiances[i].metered for i in members])
         with torch.no_grad():
-            seeds = [radiances[i].seed for i in members]
+            seeds = [recipes[i].seed for i in members]
             spectrum = spectrum_of([radiances[i] for i in members])
             srgb = camera(linear, metered, seeds, spectrum)
             images |= dict(zip(members, srgb, strict=True))
     return [
-        Probe(
+        Picture(
             image=images[i].clone(),
-            landmarks_px=camera.place_points(radiance.landmarks_px, _size(radiance)),
-            ipd_px=radiance.ipd_px,
+            identity_id=recipe.person.id,
+            landmarks_px=camera.place_points(
+                radiance.landmarks_px, (radiance.image.shape[-2], radiance.image.shape[-1])
+            ),
+            source=f"rendered: {recipe.scene.pose.name}, {recipe.scene.lighting.name}",
             scale=radiance.scale // finer,
-            identity_id=radiance.identity_id,
-            pose=radiance.pose,
-            lighting=radiance.lighting,
-            compression=camera.compression,
-            camera=camera.name,
-            seed=radiance.seed,
-            kind=kind,
-            person=radiance.person,
+            traits=radiance.traits,
         )
-        for i, (radiance, kind) in enumerate(zip(radiances, kinds, strict=True))
+        for i, (recipe, radiance) in enumerate(zip(recipes, radiances, strict=True))
     ]
-
-
-def _size(radiance: Radiance) -> tuple[int, int]:
-    return radiance.image.shape[-2], radiance.image.shape[-1]
-
-
-def stack(probes: Sequence[Probe]) -> tuple[torch.Tensor, torch.Tensor]:
-    """Return the images ``(B, 3, H, W)`` and landmarks ``(B, 5, 2)`` of probes of one size.
-
-    Raises:
-        InputError: The sizes differ, or there are none.
-    """
-    sizes = sorted({tuple(probe.image.shape[1:]) for probe in probes})
-    if len(sizes) != 1:
-        raise InputError(f"probes of sizes {sizes} make no batch: wanted one size")
-    images = torch.stack([probe.image for probe in probes])
-    return images, torch.stack([probe.landmarks_px for probe in probes])

@@ -20,11 +20,12 @@ from safetensors.torch import load, save
 
 from lrsr.errors import InputError
 from lrsr.files import sweep, write_bytes
-from lrsr.identities.person import Person
+from lrsr.identities.person import Traits
 from lrsr.images import check_images
+from lrsr.pictures.recipe import Recipe, canonical, digest
 from lrsr.rendering.radiance import Radiance
 
-FORMAT = 2
+FORMAT = 3
 """Part of every key: a change of the entries' layout leaves the old ones unread."""
 
 _TENSORS = ("image", "landmarks_px")
@@ -49,18 +50,14 @@ class RenderCache:
         self._reported: set[str] = set()
 
     @staticmethod
-    def key(recipe: Mapping[str, Any]) -> str:
-        """Return the SHA-256 (64 hex digits) of the canonical JSON of plain values.
+    def key(recipe: Recipe, versions: Mapping[str, str]) -> str:
+        """Return under what a rendering is kept: a digest of everything that changes its pixels.
 
-        Raises:
-            TypeError: A value is no plain number, string, list or mapping.
-            ValueError: A value is a NaN or an infinity.
-
-        Example:
-            >>> RenderCache.key({"a": 1, "b": 2.0}) == RenderCache.key({"b": 2.0, "a": 1})
-            True
+        Args:
+            recipe: What is rendered.
+            versions: Of the code that renders it.
         """
-        return hashlib.sha256(_canonical({"format": FORMAT, **recipe})).hexdigest()
+        return digest({"format": FORMAT, **recipe.plain(versions)})
 
     def path(self, key: str) -> Path:
         """Return where the entry of that key is, or would be."""
@@ -98,8 +95,7 @@ class RenderCache:
             NonFiniteError: The image holds a NaN or an infinity: it would stay for ever.
         """
         channels = 3 if radiance.edges_nm is None else len(radiance.edges_nm) - 1
-        name = f"rendering of {radiance.identity_id}"
-        check_images(radiance.image[None], channels=channels, name=name)
+        check_images(radiance.image[None], channels=channels, name=f"rendering {key[:12]}")
         write_bytes(self.path(key), _pack(radiance), durable=False)  # its checksum tells
 
     def sweep(self) -> int:
@@ -117,12 +113,10 @@ def _pack(radiance: Radiance) -> bytes:
         for field in fields(radiance)
         if field.name not in _TENSORS
     }
-    plain["person"] = None if radiance.person is None else asdict(radiance.person)
-    if radiance.edges_nm is None:  # as entries were before there were bands
-        del plain["edges_nm"], plain["metered_bands"]
+    plain["traits"] = None if radiance.traits is None else asdict(radiance.traits)
     note = {"radiance": plain, "sha256": _digest(tensors, plain)}
     # One note, not two: safetensors writes several in random order, and equal means equal bytes.
-    content: bytes = save(tensors, {"lrsr": _canonical(note).decode()})
+    content: bytes = save(tensors, {"lrsr": canonical(note).decode()})
     return content
 
 
@@ -133,19 +127,15 @@ def _unpack(content: bytes) -> Radiance:
     plain = note["radiance"]
     if set(tensors) != set(_TENSORS) or note["sha256"] != _digest(tensors, plain):
         raise ValueError("its checksum does not match")
-    person = plain.pop("person")
-    for name in set(plain) & {"edges_nm", "metered_bands"}:
-        plain[name] = tuple(plain[name])
-    return Radiance(**tensors, **plain, person=None if person is None else Person(**person))
+    traits = plain.pop("traits")
+    for name in ("edges_nm", "metered_bands"):
+        plain[name] = None if plain[name] is None else tuple(plain[name])
+    return Radiance(**tensors, **plain, traits=None if traits is None else Traits(**traits))
 
 
 def _digest(tensors: Mapping[str, torch.Tensor], plain: Mapping[str, Any]) -> str:
-    digest = hashlib.sha256(_canonical(plain))
+    digest = hashlib.sha256(canonical(plain))
     for name in _TENSORS:
         digest.update(f"{name}{tensors[name].dtype}{tuple(tensors[name].shape)}".encode())
         digest.update(tensors[name].numpy().tobytes())
     return digest.hexdigest()
-
-
-def _canonical(values: Mapping[str, Any]) -> bytes:
-    return json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()

@@ -1,0 +1,261 @@
+"""Which pictures are in this folder, and what is known of each?
+
+``manifest.csv`` has a row a picture; ``lrsr render`` writes one, and any CSV with the columns
+``file`` and ``identity_id`` serves, whatever other columns it has and in whichever order. A folder
+without one is read, too: pictures in a sub-folder show the person that it is named after, others
+the person that the file is named after.
+"""
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+
+import torch
+
+from lrsr.errors import InputError
+from lrsr.files import write_text
+from lrsr.identities.person import Traits
+from lrsr.pictures.image_files import SUFFIXES, read_image
+from lrsr.pictures.picture import Picture
+
+MANIFEST = "manifest.csv"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One picture of a folder; the fields are the columns, empty where nothing is known.
+
+    Attributes:
+        file: Path relative to the folder, with forward slashes.
+        identity_id: Who it is.
+        kind: "probe" or "gallery".
+        pose: Name.
+        lighting: Name.
+        compression: Name.
+        camera: Name of the preset.
+        ipd_px: Interpupillary distance of the frontal face on the ×1 film, px.
+        scale: How many times finer than the ×1 film this picture is.
+        seed: Of the sampler.
+        landmarks_px: Ten numbers, x y of left eye, right eye, nose, left and right mouth corner
+            as seen in the image, px of this picture, separated by spaces in the file.
+        linear_file: The linear light of the same picture in 16 bits, if it was asked for.
+        sex: "female" or "male".
+        age_years: As drawn.
+        ancestry: Share of each, e.g. "african=0.02 asian=0.9 caucasian=0.08".
+        ita_deg: Individual typology angle of the bare cheeks' albedo; see
+            :mod:`lrsr.identities.person`.
+        skin_tone: Its class, "very light" to "dark".
+        expression: Name.
+        lens: Name.
+        standpoint: Name.
+        yaw_deg: Of the head; see :class:`lrsr.rendering.pose.Pose`, as the next two.
+        pitch_deg: Of the head.
+        roll_deg: Of the head.
+        skin: Name of what light meets.
+        samples_per_pixel: Of the ×1 film.
+        run_seed: From which that of the sampler follows.
+        settings: Everything that made the picture, as JSON.
+        further: Columns that are not ours, by their names.
+    """
+
+    file: str
+    identity_id: str
+    kind: str = ""
+    pose: str = ""
+    lighting: str = ""
+    compression: str = ""
+    camera: str = ""
+    ipd_px: float | None = None
+    scale: int = 1
+    seed: int | None = None
+    landmarks_px: tuple[float, ...] | None = None
+    linear_file: str = ""
+    sex: str = ""
+    age_years: str = ""
+    ancestry: str = ""
+    ita_deg: str = ""
+    skin_tone: str = ""
+    expression: str = ""
+    lens: str = ""
+    standpoint: str = ""
+    yaw_deg: float | None = None
+    pitch_deg: float | None = None
+    roll_deg: float | None = None
+    skin: str = ""
+    samples_per_pixel: int | None = None
+    run_seed: int | None = None
+    settings: str = ""
+    further: Mapping[str, str] = field(default_factory=dict)
+
+
+_COLUMNS = tuple(each.name for each in fields(Entry) if each.name != "further")
+_REQUIRED = ("file", "identity_id")
+_NUMBERS = ("ipd_px", "yaw_deg", "pitch_deg", "roll_deg")
+_WHOLE = ("seed", "samples_per_pixel", "run_seed")
+
+
+def about(traits: Traits | None) -> dict[str, str]:
+    """Return the columns that tell who a picture shows; none where that is not known."""
+    if traits is None:
+        return {}
+    return {
+        "sex": traits.sex,
+        "age_years": f"{traits.age_years:g}",
+        "ancestry": " ".join(f"{race}={share:g}" for race, share in traits.ancestry.items()),
+        "ita_deg": f"{traits.ita_deg:g}",
+        "skin_tone": traits.skin_tone,
+    }
+
+
+def write_manifest(folder: Path, entries: Iterable[Entry]) -> Path:
+    """Write ``manifest.csv`` into ``folder``, whole or not at all; return its path.
+
+    Raises:
+        InputError: The folder cannot be written or the disk is full.
+    """
+    entries = list(entries)
+    further = list(dict.fromkeys(name for entry in entries for name in entry.further))
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*_COLUMNS, *further])
+    for entry in entries:
+        own = [_text(getattr(entry, name)) for name in _COLUMNS]
+        writer.writerow([*own, *(entry.further.get(name, "") for name in further)])
+    path = folder / MANIFEST
+    write_text(path, text.getvalue())
+    return path
+
+
+def _text(value: object) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, tuple):
+        return " ".join(f"{x:.4f}" for x in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def read_folder(folder: Path) -> list[Entry]:
+    """List the pictures of any folder: by its manifest, or by the names of folders and files.
+
+    Args:
+        folder: Holds pictures (PNG, JPEG, BMP, TIFF, WebP, PPM), at or one below it.
+
+    Raises:
+        InputError: There is no such folder, no picture in it, or its manifest cannot be used.
+    """
+    if not folder.is_dir():
+        raise InputError(f"{folder} is no folder: give one that holds pictures")
+    if (folder / MANIFEST).exists():
+        entries = read_manifest(folder)
+    else:
+        files = sorted(file for pattern in ("*", "*/*") for file in folder.glob(pattern))
+        entries = [
+            Entry(
+                file=file.relative_to(folder).as_posix(),
+                identity_id=file.stem if file.parent == folder else file.parent.name,
+            )
+            for file in files
+            if file.suffix.lower() in SUFFIXES and not file.name.startswith(".")
+        ]
+    if not entries:
+        kinds = ", ".join(suffix[1:] for suffix in SUFFIXES)
+        raise InputError(f"{folder} holds no pictures: put files in it ({kinds})")
+    return entries
+
+
+def read_picture(folder: Path, entry: Entry) -> Picture:
+    """Read one picture of a folder.
+
+    Raises:
+        InputError: The file cannot be read, or is no picture.
+    """
+    points = entry.landmarks_px
+    return Picture(
+        image=read_image(folder / entry.file),
+        identity_id=entry.identity_id,
+        landmarks_px=None if points is None else torch.tensor(points).reshape(5, 2),
+        source=str(folder / entry.file),
+        scale=entry.scale,
+    )
+
+
+def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
+    """Read and check ``folder/manifest.csv``, as any program may have saved it.
+
+    A mark of the byte order, other ends of lines, semicolons between columns, another order of
+    columns and further ones are all fine.
+
+    Args:
+        folder: Holds the manifest and, at or below it, the pictures.
+        pictures: Insist that every picture is there.
+
+    Raises:
+        InputError: There is no such folder or manifest, a column is missing, a value does not
+            fit, a picture is missing or lies outside the folder; the message names file and line.
+    """
+    path = folder / MANIFEST
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot read {path}: {reason}; lrsr render makes one") from error
+    head = text.partition("\n")[0]
+    separator = ";" if head.count(";") > head.count(",") else ","
+    reader = csv.DictReader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
+    try:
+        names = [(name or "").strip() for name in reader.fieldnames or ()]
+        missing = [name for name in _REQUIRED if name not in names]
+        if missing:
+            raise InputError(f"{path}, line 1: no column {', '.join(missing)}; add it")
+        reader.fieldnames = names
+        return [_entry(path, reader.line_num, values, pictures) for values in reader]
+    except csv.Error as error:
+        line = reader.line_num + 1  # the one after the last that could be read
+        raise InputError(f"{path}, line {line}: {error}; make it again") from error
+
+
+def _entry(path: Path, line: int, values: Mapping[str, str | None], pictures: bool) -> Entry:
+    texts = {name: (values.get(name) or "").strip() for name in _COLUMNS}
+    texts["file"] = texts["file"].replace("\\", "/")
+    given: dict[str, object] = {**texts}
+    try:
+        given |= {name: _finite(texts[name]) if texts[name] else None for name in _NUMBERS}
+        given |= {name: _whole(texts[name]) if texts[name] else None for name in _WHOLE}
+        given["scale"] = _whole(texts["scale"] or "1")
+        points = tuple(_finite(x) for x in texts["landmarks_px"].split())
+    except ValueError as error:
+        raise InputError(f"{path}, line {line}: {error}") from error
+    if len(points) not in (0, 10):
+        raise InputError(
+            f"{path}, line {line}: landmarks_px holds {len(points)} numbers, wanted 10"
+        )
+    given["landmarks_px"] = points or None
+    further = {name: value or "" for name, value in values.items() if name not in _COLUMNS and name}
+    entry = Entry(**given, further=further)  # type: ignore[arg-type]  # converted where not text
+    for name in _REQUIRED:
+        if not texts[name]:
+            raise InputError(f"{path}, line {line}: {name} is empty; fill it in")
+    for name in filter(None, (entry.file, entry.linear_file)):
+        inside = (path.parent / name).resolve()
+        if not inside.is_relative_to(path.parent.resolve()):
+            raise InputError(f"{path}, line {line}: {name} lies outside {path.parent}")
+        if pictures and not inside.is_file():
+            raise InputError(f"{path}, line {line}: {name} does not exist; make it again")
+    return entry
+
+
+def _whole(text: str) -> int:
+    value = _finite(text)
+    if value != int(value):
+        raise ValueError(f"{text} is not a whole number")
+    return int(text) if text.isdigit() else int(value)
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is not a finite number")
+    return value

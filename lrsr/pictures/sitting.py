@@ -1,0 +1,109 @@
+"""How is a group of people pictured, everyone alike? One recipe a person.
+
+Probes, true references and enrolled pictures of every command are sittings, so that a picture has
+one identity everywhere: what ``lrsr render`` has made, ``lrsr eval`` does not make again.
+"""
+
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from lrsr.configuration import as_whole, build, require, section, value_of
+from lrsr.identities.roster import IdentityRange
+from lrsr.pictures.recipe import KINDS, LARGEST_SEED, Kind, Recipe
+from lrsr.rendering.scene import Film, Quality, Scene
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+
+@dataclass(frozen=True)
+class Sitting:
+    """People before one camera.
+
+    Attributes:
+        people: Who.
+        scene: What stands before the camera besides.
+        film: Size and fineness.
+        quality: How well it is rendered, at this very size.
+        kind: What the pictures are for: "probe" or "gallery".
+        seed: The run's; every sampler's seed follows from it.
+
+    Raises:
+        InputError: The kind or the seed does not exist.
+    """
+
+    people: IdentityRange
+    scene: Scene
+    film: Film
+    quality: Quality
+    kind: Kind = "probe"
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        require(self.kind in KINDS, "kind", self.kind, f"one of {', '.join(KINDS)}")
+        as_whole(self.seed, "seed")
+        require(0 <= self.seed <= LARGEST_SEED, "seed", self.seed, f"0 to {LARGEST_SEED}")
+
+    def recipes(self, scale: int = 1) -> list[Recipe]:
+        """Return what everyone is rendered as, on a film ``scale`` times finer."""
+        film = replace(self.film, scale=self.film.scale * scale)
+        return [
+            Recipe(person, self.scene, film, self.quality).seeded(self.seed, self.kind)
+            for person in self.people.people()
+        ]
+
+    def describe(self) -> dict[str, Any]:
+        """Return all of it in plain values, for records."""
+        return {**asdict(self), "scene": self.scene.describe()}
+
+
+def read_people(config: "DictConfig") -> IdentityRange:
+    """Read who takes part; see ``conf/identities``.
+
+    Raises:
+        InputError: A value is wrong.
+    """
+    return section(IdentityRange, config, "identities")
+
+
+def read_scene(config: "DictConfig") -> Scene:
+    """Read what stands before the camera from the groups of a command.
+
+    Raises:
+        InputError: A value is wrong.
+    """
+    groups = ("lighting", "pose", "lens", "standpoint", "expression")
+    return Scene(**{name: value_of(name, config[name]) for name in groups if name in config})
+
+
+def read_quality(config: "DictConfig") -> Quality:
+    """Read how well 8 px are rendered; see ``conf/rendering``.
+
+    Raises:
+        InputError: A value is wrong.
+    """
+    given = {name: value for name, value in config.rendering.items() if name != "skin"}
+    skin = value_of("rendering/skin", config.rendering.skin)
+    return build({"_target_": "lrsr.rendering.Quality", **given}, "rendering", skin=skin)  # type: ignore[no-any-return]  # what it names
+
+
+def read_gallery(config: "DictConfig") -> Sitting:
+    """Read how everyone is enrolled; see ``conf/gallery``.
+
+    Raises:
+        InputError: A value is wrong.
+    """
+    enrolled = config.gallery
+    samples = as_whole(enrolled.samples_per_pixel, "gallery.samples_per_pixel")
+    film = Film(enrolled.ipd_px)
+    require(film.ipd_px >= 4, "gallery.ipd_px", film.ipd_px, "at least 4")
+    return Sitting(
+        people=read_people(config),
+        scene=Scene(
+            lighting=value_of("lighting", enrolled.lighting), pose=value_of("pose", enrolled.pose)
+        ),
+        film=film,
+        quality=replace(read_quality(config), samples_per_pixel=samples),
+        kind="gallery",
+        seed=config.seed,
+    )
