@@ -14,7 +14,7 @@ from lightning.pytorch import LightningModule, Trainer, seed_everything
 from lightning.pytorch.callbacks import Checkpoint
 from lightning.pytorch.plugins.io import TorchCheckpointIO
 
-from lrsr.data.recipe import derived_seed
+from lrsr.pictures.recipe import derived_seed
 from lrsr.files import write_bytes, write_json
 from lrsr.sr.weights import read_checkpoint
 from lrsr.training.learner import Learner
@@ -63,10 +63,13 @@ class Keeper(Checkpoint):
     def __init__(self, folder: Path, depends_on: Mapping[str, Any], seed: int) -> None:
         self.folder, self.depends_on, self.seed = folder, dict(depends_on), seed
 
-    def on_train_epoch_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Begin the epoch as every run does, resumed or not."""
-        of_epoch = derived_seed(self.seed, "training", trainer.current_epoch)
-        seed_everything(of_epoch, workers=True, verbose=False)
+    def on_train_batch_start(
+        self, trainer: Trainer, pl_module: LightningModule, batch: Any, batch_idx: int
+    ) -> None:
+        """Begin an epoch as every run does, also where Lightning leaves on_train_epoch_start out."""
+        if batch_idx == 0:
+            of_epoch = derived_seed(self.seed, "training", trainer.current_epoch)
+            seed_everything(of_epoch, workers=True, verbose=False)
 
     def on_save_checkpoint(
         self, trainer: Trainer, pl_module: LightningModule, checkpoint: dict[str, Any]

@@ -19,15 +19,18 @@ from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
-from lrsr.identities.face.expression import NEUTRAL
+from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.identities.person import Person
 from lrsr.images import resize_bicubic, scale_points
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe, derived_seed
 from lrsr.recognition.alignment import align
+from lrsr.rendering.lens import Lens
 from lrsr.rendering.lighting import Lighting
+from lrsr.rendering.pose import FRONTAL, Pose
 from lrsr.rendering.scene import Film, Quality, Scene
+from lrsr.rendering.standpoint import Standpoint
 from lrsr.training.order import EpochOrder
 from lrsr.training.rendered import Rendered
 from lrsr.training.variety import Variety
@@ -41,10 +44,14 @@ class Faces(Rendered):
     Args:
         people: See :class:`Rendered`; at least 2, as the next one.
         validation_people: Who meets the gallery.
-        scene: Lens and standpoint of every picture; pose, light and expression are drawn.
-        variety: What they are drawn from.
-        enrolled: Light of the validation gallery, frontal.
-        probed: Light of the validation probes, frontal.
+        poses: Named ones; see :class:`~lrsr.training.variety.Variety`, as the next three.
+        lightings: Named ones.
+        expressions: Shown at 20 to 80 %.
+        named_share: How often a named pose or lighting is drawn instead of a random one, 0..1.
+        lens: Of every picture.
+        standpoint: Of every picture.
+        gallery_lighting: Of the validation gallery, frontal.
+        probe_lighting: Of the validation probes, frontal.
         validation_ipd_px: Sizes of the validation probes.
         sharp_views: Renderings per person at ``sharp_ipd_px``; the first one is frontal.
         small_views: Renderings per person at ``small_ipd_px``.
@@ -74,10 +81,14 @@ class Faces(Rendered):
         people: Sequence[Person],
         validation_people: Sequence[Person],
         *,
-        scene: Scene,
-        variety: Variety,
-        enrolled: Lighting,
-        probed: Lighting,
+        poses: Sequence[Pose],
+        lightings: Sequence[Lighting],
+        expressions: Sequence[Expression],
+        named_share: float,
+        lens: Lens,
+        standpoint: Standpoint,
+        gallery_lighting: Lighting,
+        probe_lighting: Lighting,
         validation_ipd_px: Sequence[float],
         sharp_views: int,
         small_views: int,
@@ -99,7 +110,9 @@ class Faces(Rendered):
         maker: Maker | None = None,
     ) -> None:
         super().__init__(people, validation_people, cache=cache, progress=progress, maker=maker)
-        self.scene, self.variety, self.enrolled, self.probed = scene, variety, enrolled, probed
+        self.variety = Variety(poses, lightings, expressions, named_share)
+        self.enrolled = Scene(gallery_lighting, lens=lens, standpoint=standpoint)
+        self.probed = replace(self.enrolled, lighting=probe_lighting)
         self.validation_ipd_px = validation_ipd_px
         self.sharp_views, self.small_views = sharp_views, small_views
         self.sharp_ipd_px, self.small_ipd_px = sharp_ipd_px, small_ipd_px
@@ -148,9 +161,9 @@ class Faces(Rendered):
             acted = self.variety.expression(of_expression)
             acting = view > 0 and of_expression.random() < self.expression_share
             scene = replace(
-                self.scene,
+                self.enrolled,
                 lighting=lighting,
-                pose=pose if view else self.scene.pose,
+                pose=pose if view else FRONTAL,
                 expression=acted if acting else NEUTRAL,
             )
             yield Recipe(
@@ -161,8 +174,7 @@ class Faces(Rendered):
                 seed=derived_seed(self.seed, "faces", person.index, view),
             )
 
-    def _frontal(self, ipd_px: float, lighting: Lighting) -> list[Recipe]:
-        scene = replace(self.scene, lighting=lighting)
+    def _frontal(self, ipd_px: float, scene: Scene) -> list[Recipe]:
         quality = self.sharp_quality if ipd_px >= _LARGE_PX else self.validation_quality
         return [
             Recipe(person, scene, Film(ipd_px), quality, seed=0).seeded(self.seed, "probe")

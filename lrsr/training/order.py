@@ -7,7 +7,7 @@ import torch
 from numpy.typing import NDArray
 from torch.utils.data import Sampler
 
-from lrsr.data.recipe import derived_seed
+from lrsr.pictures.recipe import derived_seed
 
 
 class EpochOrder(Sampler[torch.Tensor]):
@@ -42,7 +42,8 @@ class EpochOrder(Sampler[torch.Tensor]):
         return self.count
 
     def __iter__(self) -> Iterator[torch.Tensor]:
+        # Drawn with the first batch: going on, Lightning says which epoch it is after this call.
         rng = np.random.default_rng(derived_seed(self.seed, "order", self.epoch))
         rows = self.draw(rng)
         rng.shuffle(rows)
-        return iter([torch.from_numpy(part) for part in np.array_split(rows, self.count)])
+        yield from map(torch.from_numpy, np.array_split(rows, self.count))

@@ -20,14 +20,17 @@ from lrsr.errors import InputError
 from lrsr.identities.person import Person
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.recipe import Recipe, derived_seed
-from lrsr.pictures.render import stack
+from lrsr.pictures.picture import stack
+from lrsr.pictures.render import CHUNK
 from lrsr.rendering.geometry import film_size_px
+from lrsr.rendering.lens import Lens
+from lrsr.rendering.lighting import Lighting
+from lrsr.rendering.pose import Pose
 from lrsr.rendering.scene import Film, Quality, Scene
+from lrsr.rendering.standpoint import Standpoint
 from lrsr.training.order import EpochOrder
 from lrsr.training.patches import Pair, Patches
 from lrsr.training.rendered import Rendered
-
-_CHUNK = 64
 
 
 class Pairs(Rendered):
@@ -40,9 +43,12 @@ class Pairs(Rendered):
         people: See :class:`Rendered`, as the next one.
         validation_people: At least one.
         scale: 2 or 4, how many times larger the target is.
-        scenes: What may stand before the camera.
+        poses: How heads may be held.
+        lightings: What light may reach them.
+        lens: Of both pictures.
+        standpoint: Of both pictures.
         ipd_px: Interpupillary distances of the ×1 film, px.
-        views: How many of the scenes × distances each person is seen in, drawn by ``seed``.
+        views: How many of the poses × lightings × distances each person is seen in, drawn by ``seed``.
         compressions: Of the input; the target has none.
         films: Scales of the films of input and target, e.g. ``[[1, 2], [2, 4]]``: the second pair
             shows a 2× network that is applied twice what its second pass meets. None: 1 to scale.
@@ -66,7 +72,10 @@ class Pairs(Rendered):
         validation_people: Sequence[Person],
         *,
         scale: int,
-        scenes: Sequence[Scene],
+        poses: Sequence[Pose],
+        lightings: Sequence[Lighting],
+        lens: Lens,
+        standpoint: Standpoint,
         ipd_px: Sequence[float],
         views: int,
         compressions: Sequence[str],
@@ -83,6 +92,7 @@ class Pairs(Rendered):
         super().__init__(people, validation_people, cache=cache, progress=progress, maker=maker)
         self.scale, self.quality, self.patches = scale, quality, patches
         self.distances = [float(x) for x in ipd_px]
+        scenes = [Scene(light, pose, lens, standpoint) for pose, light in product(poses, lightings)]
         self.conditions = list(product(scenes, self.distances))
         self.views, self.batch_size, self.seed = views, batch_size, seed
         self.films = [(int(lr), int(hr)) for lr, hr in films or [(1, scale)]]
@@ -162,8 +172,8 @@ class Pairs(Rendered):
             ordered = sorted(both, key=lambda pair: pair[0].film.ipd_px)
             for _, alike in groupby(ordered, key=lambda pair: pair[0].film.ipd_px):
                 members = list(alike)
-                for start in range(0, len(members), _CHUNK):
-                    small, true = zip(*members[start : start + _CHUNK], strict=True)
+                for start in range(0, len(members), CHUNK):
+                    small, true = zip(*members[start : start + CHUNK], strict=True)
                     yield (
                         stack(list(self.taken(small, camera)))[0],
                         stack(list(self.taken(true, self.clean)))[0],

@@ -16,9 +16,7 @@ from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker, mitsuba_maker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
-from lrsr.pictures.render import filmed, render_missing, take_pictures
-
-_CHUNK = 64
+from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
 
 
 class Rendered(LightningDataModule):
@@ -66,7 +64,7 @@ class Rendered(LightningDataModule):
     def about(self) -> dict[str, Any]:
         """Return what all of it depends on, in plain values: who, how it is made, and which keys."""
         versions = self.maker.versions
-        keys = [self.cache.key(filmed(*shot).plain(versions)) for shot in self.shots()]
+        keys = [self.cache.key(filmed(*shot), versions) for shot in self.shots()]
         return {
             "people": len(self.people),
             "validation_people": len(self.validation_people),
@@ -85,9 +83,9 @@ class Rendered(LightningDataModule):
 
     def taken(self, recipes: Sequence[Recipe], camera: Camera) -> Iterator[Picture]:
         """Yield the pictures a few at a time: as floats they would not all fit in memory."""
-        for start in range(0, len(recipes), _CHUNK):
+        for start in range(0, len(recipes), CHUNK):
             yield from take_pictures(
-                recipes[start : start + _CHUNK],
+                recipes[start : start + CHUNK],
                 self.cache,
                 camera,
                 maker=self.maker,

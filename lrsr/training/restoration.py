@@ -14,8 +14,8 @@ from lrsr.errors import InputError, NonFiniteError
 from lrsr.evaluation.quality import psnr_y
 from lrsr.pictures.recipe import derived_seed
 from lrsr.sr.networks import NETWORKS
-from lrsr.sr.upscaler import Bicubic, upscaler_of
-from lrsr.sr.weights import Card, read_weights, write_weights
+from lrsr.sr.upscaler import Bicubic, Luminance, Rgb
+from lrsr.sr.weights import ENLARGED_BY, Card, read_weights, write_weights
 from lrsr.training.export import export_onnx
 from lrsr.training.learner import Learner, MakeOptimizer, MakeScheduler
 
@@ -75,7 +75,7 @@ class Restoration(Learner):
         self.distance, self.slower, self.turned, self.seed = _LOSSES[loss], slower, turned, seed
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, "weights"))
-            network = NETWORKS[architecture](scale=scale, **arguments)
+            network = NETWORKS[architecture](**arguments)
         self.network = network.to(memory_format=torch.channels_last)
         self.card = Card(
             architecture=architecture,
@@ -83,6 +83,7 @@ class Restoration(Learner):
             scale=scale,
             input=network.input,
             lr_made_by=lr_made_by,
+            enlarged_by=ENLARGED_BY if network.input == "luminance" else "",
         )
         for part in slower:
             if part not in dict(network.named_children()):
@@ -111,6 +112,15 @@ class Restoration(Learner):
         rest = [p for p in self.network.parameters() if id(p) not in apart]
         return [{"params": rest}, *groups]
 
+    def on_validation_start(self) -> None:
+        """Make of the network what is made of it in use."""
+        kind = type(self.network)
+        with torch.device(self.device), torch.random.fork_rng(devices=[]):
+            used = kind(**{**self.card.arguments, **kind.in_use})
+        used.load_state_dict(self.network.state_dict())
+        wrapper = Luminance if kind.input == "luminance" else Rgb
+        self._upscaler = wrapper(used.eval(), self.card.scale)
+
     def validation_step(self, batch: Pair, batch_idx: int) -> None:
         """Log PSNR and the gain over bicubic, both on luminance, means over images.
 
@@ -119,7 +129,7 @@ class Restoration(Learner):
         """
         small, true = batch
         with torch.autocast(self.device.type, enabled=False):
-            restored = upscaler_of(self.network, self.card)(small)
+            restored = self._upscaler(small)
         if not bool(torch.isfinite(restored).all()):
             raise NonFiniteError(f"a restored image is NaN at epoch {self.current_epoch}")
         scale = self.card.scale
@@ -140,11 +150,19 @@ class Restoration(Learner):
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         """Add the history and what the weights are for."""
         super().on_save_checkpoint(checkpoint)
-        checkpoint["card"] = asdict(self.card)
+        checkpoint["card"] = self.card.as_text()
 
     def ship(self, folder: Path, best: Path) -> dict[str, Any]:
         """Write model.safetensors and model.onnx."""
         network, card = read_weights(best)
         write_weights(folder / "model.safetensors", network, card)
-        export_onnx(folder / "model.onnx", network, about=card.as_text())
+        channels = 1 if card.input == "luminance" else 3
+        export_onnx(
+            folder / "model.onnx",
+            network,
+            shapes=[(2, channels, 24, 20), (1, channels, 32, 32), (2, channels, 13, 40)],
+            names=(card.input, "restored"),
+            free={0: "N", 2: "H", 3: "W"},
+            about=card.as_text(),
+        )
         return {"card": asdict(card)}

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lrsr.identities.face.expression import Expression
-from lrsr.rendering.lighting import Light, Lighting
+from lrsr.rendering.lighting import Lighting
+from lrsr.rendering.lights import Light
 from lrsr.rendering.pose import Pose
 
 _EYES_SHUT = 0.48  # at most: pictures of a blink are usually thrown away
