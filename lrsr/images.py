@@ -1,7 +1,8 @@
 """What is an image here? The contract, stated once; each line has a test.
 
 - ``(B, C, H, W)`` float32 torch, RGB; one image is ``(C, H, W)`` only in a dataclass that says so.
-- ``linear`` until the sensor, ``srgb`` after it, never unnamed; srgb lies in [0, 1].
+- ``linear`` until the sensor, ``srgb`` after it, never unnamed; srgb lies in [0, 1], and what lies
+  elsewhere is refused, not rescaled.
 - Pixel (0, 0) is the top-left; a point's coordinate is 0 at the centre of pixel (0, 0), so on a
   film s times finer x' = s (x + 0.5) - 0.5.
 - Nothing is inferred from the values: range, channel order and colour space are arguments.
@@ -12,12 +13,15 @@
 """
 
 from fractions import Fraction
-from math import ceil
+from math import ceil, isfinite
 
 import torch
 from torch.nn import functional as F
 
 from lrsr.errors import ImageContractError, NonFiniteError
+
+_RANGE_TOLERANCE = 1e-5
+"""How far float32 arithmetic may have carried an srgb value out of [0, 1]."""
 
 _YCBCR = torch.tensor(
     [[65.481, 128.553, 24.966], [-37.797, -74.203, 112.0], [112.0, -93.786, -18.214]],
@@ -33,17 +37,54 @@ def check_images(images: torch.Tensor, *, channels: int = 3, name: str = "images
         ImageContractError: Wrong number of dimensions, channels, an empty side, or another dtype.
         NonFiniteError: A NaN or an infinity; the message says where the first one is.
     """
-    if images.ndim != 4 or images.shape[1] != channels or 0 in images.shape:
-        raise ImageContractError(
-            f"{name}: got shape {tuple(images.shape)}, wanted (B, {channels}, H, W)"
-        )
-    if images.dtype != torch.float32:
-        raise ImageContractError(f"{name}: got {images.dtype}, wanted torch.float32")
-    finite = torch.isfinite(images)
-    if not bool(finite.all()):
-        b, c, y, x = (~finite).nonzero()[0].tolist()
+    shape, dtype = tuple(getattr(images, "shape", ())), getattr(images, "dtype", type(images))
+    if len(shape) != 4 or shape[1] != channels or 0 in shape:
+        raise ImageContractError(f"{name}: got shape {shape}, wanted (B, {channels}, H, W)")
+    if dtype != torch.float32:
+        raise ImageContractError(f"{name}: got {dtype}, wanted torch.float32")
+    if not all(map(isfinite, _extremes(images))):
+        b, c, y, x = (~torch.isfinite(images)).nonzero()[0].tolist()
         raise NonFiniteError(f"{name}: {images[b, c, y, x]} in image {b}, channel {c}, ({x}, {y})")
     return images
+
+
+def check_srgb(
+    srgb: torch.Tensor, *, name: str = "srgb", may_need_gradient: bool = False
+) -> torch.Tensor:
+    """Return finished pictures unchanged: :func:`check_images`, in [0, 1], and no gradient.
+
+    Args:
+        srgb: ``(B, 3, H, W)``.
+        name: For the message.
+        may_need_gradient: Whoever asks says in its own words that none is kept.
+
+    Raises:
+        ImageContractError: The contract is broken, a value lies more than 1e-5 outside [0, 1], or
+            the pictures need a gradient.
+        NonFiniteError: A NaN or an infinity.
+
+    Example:
+        >>> check_srgb(torch.full((1, 3, 2, 2), 255.0))
+        Traceback (most recent call last):
+        lrsr.errors.ImageContractError: srgb: got values 255 to 255, wanted [0, 1]; rescale first
+    """
+    low, high = _extremes(check_images(srgb, name=name))
+    if low < -_RANGE_TOLERANCE or high > 1 + _RANGE_TOLERANCE:
+        raise ImageContractError(
+            f"{name}: got values {low:.6g} to {high:.6g}, wanted [0, 1]; rescale first"
+        )
+    if srgb.requires_grad and not may_need_gradient:
+        raise ImageContractError(
+            f"{name}: got a tensor that needs a gradient, wanted plain values in [0, 1];"
+            " give its .detach()"
+        )
+    return srgb
+
+
+def _extremes(images: torch.Tensor) -> tuple[float, float]:
+    """Return least and largest value; a NaN anywhere makes both NaN."""
+    low, high = torch.aminmax(images.detach())
+    return float(low), float(high)
 
 
 def linear_to_srgb(linear: torch.Tensor) -> torch.Tensor:

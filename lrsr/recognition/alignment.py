@@ -34,6 +34,35 @@ TEMPLATE_PX: NDArray[np.float64] = np.array(
 """Where ArcFace wants left eye, right eye, nose, left and right mouth corner: ``(5, 2)``, px."""
 
 
+def read_landmarks(landmarks_px: ArrayLike, count: int | None = None) -> NDArray[np.float64]:
+    """Turn landmarks of any kind into numbers: lists, arrays, masked ones, tensors of any type.
+
+    Args:
+        landmarks_px: ``(B, 5, 2)``, (x, y) in px; what is masked becomes NaN, no face was found.
+        count: The B that is wanted, if any.
+
+    Returns:
+        ``(B, 5, 2)`` float64.
+
+    Raises:
+        ImageContractError: They are no numbers, or have another shape.
+
+    Example:
+        >>> read_landmarks(torch.zeros(1, 5, 2, dtype=torch.bfloat16)).shape
+        (1, 5, 2)
+    """
+    wanted = f"wanted ({'B' if count is None else count}, 5, 2)"
+    if isinstance(landmarks_px, torch.Tensor):
+        landmarks_px = landmarks_px.detach().cpu().double().numpy()
+    try:
+        points = np.ma.filled(np.ma.asarray(landmarks_px).astype(np.float64), np.nan)
+    except (TypeError, ValueError) as error:
+        raise ImageContractError(f"landmarks_px: got {error}, {wanted} numbers") from error
+    if points.ndim != 3 or points.shape[1:] != (5, 2) or count not in (None, len(points)):
+        raise ImageContractError(f"landmarks_px: got shape {points.shape}, {wanted}")
+    return np.asarray(points, dtype=np.float64)
+
+
 def fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
     """Fit rotation, uniform scale and shift from landmarks onto :data:`TEMPLATE_PX`, least squares.
 
@@ -54,9 +83,7 @@ def fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
         >>> (fit_similarities(TEMPLATE_PX[None] * 2)[0].round(6) + 0.0).tolist()
         [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]
     """
-    points = np.asarray(landmarks_px, dtype=np.float64)
-    if points.ndim != 3 or points.shape[1:] != (5, 2):
-        raise ImageContractError(f"landmarks_px: got shape {points.shape}, wanted (B, 5, 2)")
+    points = read_landmarks(landmarks_px)
     matrices = np.full((len(points), 2, 3), np.nan)
     usable = np.flatnonzero(np.isfinite(points).all(axis=(1, 2)))
     usable = usable[np.ptp(points[usable], axis=1).max(axis=1) > 1e-6]
@@ -130,7 +157,7 @@ def align(
 
     Args:
         srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
-        landmarks_px: ``(B, 5, 2)``; a NaN says that no face was found.
+        landmarks_px: ``(B, 5, 2)``; a NaN, or a mask, says that no face was found.
         antialias: See :func:`warp`.
 
     Returns:

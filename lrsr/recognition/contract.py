@@ -25,17 +25,14 @@ The numbers that the graph states too (sizes, dimension) must agree with it; wha
 (channel order, mean, scale, antialias) is taken from here and from nowhere else.
 """
 
-import hashlib
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from lrsr.errors import InputError
+from lrsr.onnx import Fields, contract_path, read_fields
 from lrsr.recognition.alignment import CROP_PX
 
-_TABLES: dict[str, dict[str, type]] = {
+_TABLES: Fields = {
     "": {"sha256": str, "licence": str, "source": str},
     "input": {
         "layout": str,
@@ -48,7 +45,7 @@ _TABLES: dict[str, dict[str, type]] = {
     "output": {"dimension": int},
     "alignment": {"template": str, "antialias": bool},
 }
-_CHOICES: dict[str, tuple[object, ...]] = {
+_CHOICES = {
     "input.layout": ("NCHW", "NHWC"),
     "input.channels": ("RGB", "BGR"),
     "input.height_px": (CROP_PX,),
@@ -82,11 +79,6 @@ class Contract:
         return (self.height_px, self.width_px, 3)
 
 
-def contract_path(model: Path) -> Path:
-    """Return where the contract of ``model`` lies: the same name, ending in ``.toml``."""
-    return model.with_suffix(".toml")
-
-
 def read_contract(model: Path) -> Contract:
     """Read the contract beside ``model`` and check the model's bytes against its sha256.
 
@@ -97,24 +89,10 @@ def read_contract(model: Path) -> Contract:
         InputError: Model or contract is missing or unreadable; a field is missing, unknown or
             out of range; or the model is not the one that the contract was written for.
     """
-    path = contract_path(model)
-    try:
-        digest = sha256_of(model)
-        with path.open("rb") as file:
-            document = tomllib.load(file)
-    except FileNotFoundError as error:
+    contract = Contract(**read_fields(model, _TABLES, _CHOICES))
+    if contract.scale <= 0 or contract.dimension <= 0:
         raise InputError(
-            f"{error.filename} is missing: a model needs NAME.onnx and NAME.toml"
-        ) from error
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: cannot be read as a contract ({error}); mend or replace it"
-        ) from error
-    contract = Contract(**_fields(document, path))
-    if digest != contract.sha256:
-        raise InputError(
-            f"{model}: sha256 is {digest[:12]}…, its contract says {contract.sha256[:12]}…; "
-            "the file is damaged or is another model: get it again or mend the contract"
+            f"{contract_path(model)}: input.scale and output.dimension must be above 0"
         )
     return contract
 
@@ -129,12 +107,6 @@ def write_contract(contract: Contract) -> str:
     return "\n".join(lines) + "\n"
 
 
-def sha256_of(path: Path) -> str:
-    """Return the sha256 of a file's bytes, in hex."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def _toml(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
@@ -142,41 +114,3 @@ def _toml(value: object) -> str:
         escaped = value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ")
         return f'"{escaped}"'
     return repr(value)
-
-
-def _fields(document: Mapping[str, Any], path: Path) -> dict[str, Any]:
-    """Flatten the document's tables and check names, types and ranges.
-
-    Raises:
-        InputError: A field is missing, unknown or out of range.
-    """
-    found: dict[str, Any] = {}
-    for table, wanted in _TABLES.items():
-        section = document.get(table, {}) if table else document
-        if not isinstance(section, Mapping):
-            raise InputError(f"{path}: {table} = {section!r}; make it a table, [{table}]")
-        allowed = set(wanted) if table else set(wanted) | {name for name in _TABLES if name}
-        if unknown := sorted(set(section) - allowed):
-            where = f" in [{table}]" if table else ""
-            raise InputError(
-                f"{path}: unknown field {unknown[0]!r}{where}; wanted {', '.join(wanted)}"
-            )
-        for name, kind in wanted.items():
-            found[name] = _checked(section.get(name), f"{table}.{name}".lstrip("."), kind, path)
-    if found["scale"] <= 0 or found["dimension"] <= 0:
-        raise InputError(f"{path}: input.scale and output.dimension must be above 0")
-    return found
-
-
-def _checked(value: object, name: str, kind: type, path: Path) -> object:
-    if value is None:
-        raise InputError(f"{path}: {name} is missing; declare it")
-    if kind is float and type(value) is int:
-        value = float(value)
-    if type(value) is not kind:
-        raise InputError(f"{path}: {name} = {value!r}; wanted {kind.__name__}")
-    choices = _CHOICES.get(name)
-    if choices is not None and value not in choices:
-        wanted = " or ".join(str(choice) for choice in choices)
-        raise InputError(f"{path}: {name} = {value!r}; wanted {wanted}")
-    return value

@@ -10,7 +10,6 @@ everybody is cut out alike and nobody is missed. On 12 rendered faces the two bo
 
 from __future__ import annotations
 
-import hashlib
 import importlib.util
 from pathlib import Path
 from typing import Any
@@ -19,8 +18,10 @@ import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
-from lrsr.errors import ImageContractError, InputError
-from lrsr.images import check_images
+from lrsr.errors import InputError
+from lrsr.images import check_srgb
+from lrsr.onnx import sha256_of
+from lrsr.recognition.alignment import read_landmarks
 
 POINTS = "shape_predictor_5_face_landmarks.dat"
 NETWORK = "dlib_face_recognition_resnet_model_v1.dat"
@@ -71,15 +72,12 @@ class DlibEncoder:
             ``(B, 128)`` float32, rows of length 1; a row of NaN where there was no face.
 
         Raises:
-            ImageContractError: Images or landmarks have another shape, or their numbers differ.
+            ImageContractError: Images or landmarks have another shape, their numbers differ, or
+                the images lie outside [0, 1] or need a gradient, which would end here.
         """
-        points = np.asarray(landmarks_px, dtype=np.float64)
-        if points.shape != (len(srgb), 5, 2):
-            raise ImageContractError(
-                f"landmarks_px: got shape {points.shape}, wanted ({len(srgb)}, 5, 2)"
-            )
-        levels = check_images(srgb, name="faces").mul(255).round().to(torch.uint8)
-        images = levels.permute(0, 2, 3, 1).contiguous().numpy()
+        points = read_landmarks(landmarks_px, len(srgb))
+        levels = check_srgb(srgb, name="faces").mul(255).round().to(torch.uint8)
+        images = levels.permute(0, 2, 3, 1).contiguous().cpu().numpy()
         result = np.full((len(images), DIMENSION), np.nan, dtype=np.float32)
         for row in np.flatnonzero(np.isfinite(points).all(axis=(1, 2))):
             shape = self._points(images[row], self._dlib.rectangle(*face_box(points[row])))
@@ -92,7 +90,7 @@ class DlibEncoder:
         return {
             "encoder": self.name,
             "model": NETWORK,
-            "sha256": hashlib.sha256((self._folder / NETWORK).read_bytes()).hexdigest(),
+            "sha256": sha256_of(self._folder / NETWORK),
             "dlib": str(self._dlib.__version__),
             "dimension": DIMENSION,
             "box": "from the renderer's true landmarks, where dlib's detector puts it on average",

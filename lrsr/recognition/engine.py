@@ -8,6 +8,7 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ImageContractError
+from lrsr.images import check_srgb
 from lrsr.paths import asset
 from lrsr.recognition.alignment import align
 from lrsr.recognition.embedding import Embedder
@@ -23,13 +24,16 @@ class Engine:
     Args:
         model: An ONNX embedder with its contract beside it; default: the one that ships.
         antialias: Overrules the contract's: average when alignment makes a face smaller?
+        device: Where the embedder runs, "cpu" or "cuda".
 
     Raises:
         InputError: See :class:`lrsr.recognition.embedding.Embedder`.
     """
 
-    def __init__(self, model: Path | None = None, *, antialias: bool | None = None) -> None:
-        self.embedder = Embedder(model if model is not None else asset(DEFAULT_MODEL))
+    def __init__(
+        self, model: Path | None = None, *, antialias: bool | None = None, device: str = "cpu"
+    ) -> None:
+        self.embedder = Embedder(model or asset(DEFAULT_MODEL), device=device)
         self.antialias = self.embedder.contract.antialias if antialias is None else antialias
 
     def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:
@@ -37,14 +41,17 @@ class Engine:
 
         Args:
             srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
-            landmarks_px: ``(B, 5, 2)``, (x, y) in px of ``srgb``; NaN = no face was found.
+            landmarks_px: ``(B, 5, 2)``, (x, y) in px of ``srgb``; NaN or masked = no face was
+                found.
 
         Returns:
             ``(B, D)`` float32, rows of length 1; a row of NaN is a failure to acquire.
 
         Raises:
-            ImageContractError: Images or landmarks have another shape, or their numbers differ.
+            ImageContractError: Images or landmarks have another shape, their numbers differ, or
+                the images lie outside [0, 1] or need a gradient, which would end here.
         """
+        check_srgb(srgb)
         crops, found = align(srgb, landmarks_px, antialias=self.antialias)
         result = np.full((len(crops), self.embedder.contract.dimension), np.nan, dtype=np.float32)
         result[found] = self.embedder(crops[torch.from_numpy(found)])

@@ -1,29 +1,21 @@
-"""Makes small images larger: bicubic, SRCNN and SRCNN twice, behind one call.
+"""Makes small pictures larger, by networks that were trained and by formulas, behind one call."""
 
-Only what needs nothing but torch is imported here; :mod:`lrsr.sr.module` and
-:mod:`lrsr.sr.training` bring Lightning, :mod:`lrsr.sr.export` brings the ONNX exporter.
-"""
-
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lrsr.sr.bicubic import resize_bicubic
-    from lrsr.sr.srcnn import SRCNN
-    from lrsr.sr.upscaling import METHODS, Upscaler
+    from lrsr.sr.upscaler import Bicubic, Upscaler, load_upscaler
 
-__all__ = ["METHODS", "SRCNN", "Upscaler", "resize_bicubic"]
-
-_HOMES = {
-    "METHODS": "upscaling",
-    "SRCNN": "srcnn",
-    "Upscaler": "upscaling",
-    "resize_bicubic": "bicubic",
-}
+__all__ = ["Bicubic", "Upscaler", "load_upscaler"]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
+def __getattr__(name: str) -> object:
+    """Import the upscalers (and torch with them) only when they are asked for.
 
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    Raises:
+        AttributeError: The part has no such name.
+    """
+    if name in __all__:
+        from lrsr.sr import upscaler
+
+        return getattr(upscaler, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,87 +1,163 @@
-"""How are SRCNN's weights kept: which numbers, and what must be known to use them rightly?
+"""How are a network's weights kept: which numbers, and what must be known to use them rightly?
 
 A network trained for one scale, one enlarging kernel and one way of making the small images loses
-to bicubic on any other, so these travel in the file's own header.
+to bicubic on any other, so its card travels with the weights: in the header of a ``.safetensors``
+file, in a checkpoint, in the properties of an ONNX file.
 """
 
+import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save as save_tensors
+from torch import nn
 
 from lrsr.errors import InputError
 from lrsr.files import write_bytes
-from lrsr.sr.bicubic import ENLARGED_BY
-from lrsr.sr.srcnn import SRCNN
+from lrsr.sr.networks import NETWORKS
 
-ARCHITECTURE = "SRCNN 9-1-5, 64x1x9x9 32x64x1x1 1x32x5x5"
+#: The one kernel by its words: a network that was trained behind it works behind no other.
+ENLARGED_BY = "bicubic, Keys a=-0.5 (MATLAB imresize), edges replicated"
+
+LARGEST_SCALE = 16
 
 
 @dataclass(frozen=True)
-class Recipe:
-    """What the weights were trained for.
+class Card:
+    """What weights are of, and what they were trained for.
 
     Attributes:
-        scale: New size over old: 2 or 4 in the paper.
+        architecture: Key of :data:`lrsr.sr.networks.NETWORKS`.
+        arguments: The network's constructor arguments, plain values.
+        scale: New size over old, 1 to 16.
+        input: "luminance" or "rgb", as the network says.
         lr_made_by: How the small images came to be, in words.
-        enlarged_by: The kernel that enlarges the small image before the network sees it.
-        architecture: Filter counts and sizes.
+        enlarged_by: The kernel that enlarges the small image before the network sees it,
+            :data:`ENLARGED_BY`; "" where the network enlarges.
+
+    Raises:
+        InputError: The network is unknown, or a value is not what it can use.
     """
 
+    architecture: str
+    arguments: Mapping[str, Any]
     scale: int
+    input: str
     lr_made_by: str
-    enlarged_by: str = ENLARGED_BY
-    architecture: str = ARCHITECTURE
+    enlarged_by: str = ""
+
+    def __post_init__(self) -> None:
+        if self.architecture not in NETWORKS:
+            raise InputError(f"architecture={self.architecture}: wanted {' or '.join(NETWORKS)}")
+        wanted = NETWORKS[self.architecture].input
+        if self.input != wanted:
+            raise InputError(f"input={self.input}: {self.architecture} takes {wanted}")
+        if not isinstance(self.arguments, Mapping):
+            raise InputError(f"arguments={self.arguments!r}: wanted names and values")
+        if not 1 <= self.scale <= LARGEST_SCALE:
+            raise InputError(f"scale={self.scale}: wanted 1 to {LARGEST_SCALE}")
+        if self.enlarged_by not in ("", ENLARGED_BY):
+            raise InputError(f"enlarged_by={self.enlarged_by!r}: wanted {ENLARGED_BY!r} or nothing")
 
     def as_text(self) -> dict[str, str]:
-        """Return the fields as the strings that safetensors and ONNX headers take."""
-        return {name: str(value) for name, value in asdict(self).items()}
+        """Return the fields as the strings that safetensors, checkpoints and ONNX files take."""
+        text = {name: str(value) for name, value in asdict(self).items()}
+        return text | {"arguments": json.dumps(dict(self.arguments), sort_keys=True)}
+
+    @classmethod
+    def from_text(cls, text: Mapping[str, str]) -> "Card":
+        """Read what :meth:`as_text` wrote; what else stands there is left alone.
+
+        Raises:
+            InputError: A field is missing or cannot be used.
+        """
+        try:
+            known: dict[str, Any] = {field.name: text[field.name] for field in fields(cls)}
+            known["scale"], known["arguments"] = int(known["scale"]), json.loads(known["arguments"])
+        except KeyError as error:
+            raise InputError(f"its card has no {error}") from error
+        except (ValueError, TypeError) as error:
+            raise InputError(f"its card cannot be read: {error}") from error
+        return cls(**known)
 
 
-def write_weights(path: Path, network: SRCNN, recipe: Recipe) -> None:
-    """Write the network's weights (float32, 32 kB) and their recipe as one safetensors file."""
+def write_weights(path: Path, network: nn.Module, card: Card) -> None:
+    """Write the network's weights (float32) and their card as one safetensors file.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
     tensors = {k: v.detach().float().cpu().contiguous() for k, v in network.state_dict().items()}
-    write_bytes(path, save_tensors(tensors, metadata=recipe.as_text()))
+    write_bytes(path, save_tensors(tensors, metadata=card.as_text()))
 
 
-def read_weights(path: Path) -> tuple[SRCNN, Recipe]:
+def read_weights(path: Path) -> tuple[nn.Module, Card]:
     """Read a ``.safetensors`` file of :func:`write_weights` or a ``.ckpt`` of a training run.
 
     Returns:
-        The network (replicate padding, float32, evaluation mode) and its recipe.
+        The network as it is in use (whole pictures, float32, evaluation mode, on the CPU, no
+        gradient), and its card.
 
     Raises:
         InputError: The file is missing, broken, of another network, or holds a NaN.
     """
     if not path.is_file():
         raise InputError(f"no weights at {path}: give a .safetensors or .ckpt file of lrsr train")
-    tensors, header = _read_checkpoint(path) if path.suffix == ".ckpt" else _read_tensors(path)
+    tensors, text = _of_checkpoint(path) if path.suffix == ".ckpt" else _of_safetensors(path)
     try:
-        recipe = _as_recipe(header)
-        network = SRCNN(padding="replicate")
-        network.load_state_dict(tensors)
-    except (KeyError, ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{path} is not SRCNN 9-1-5 from lrsr train: {reason}") from error
+        card = Card.from_text(text)
+        network = _build(card, tensors)
+    except (InputError, AttributeError, RuntimeError, TypeError, ValueError) as error:
+        reason = " ".join(str(error).split())[:300]
+        raise InputError(f"{path} is not of lrsr train: {reason}; train again") from error
+    return network, card
+
+
+def read_checkpoint(path: Path) -> dict[str, Any]:
+    """Read a checkpoint of any training onto the CPU.
+
+    Raises:
+        InputError: The file is missing, cut short, or holds more than numbers and strings.
+    """
+    try:
+        checkpoint = torch.load(path, map_location="cpu", weights_only=True)
+    except Exception as error:  # broken bytes make the unpickler raise nearly anything
+        reason = " ".join(str(error).split())[:200]
+        raise InputError(f"{path} is no checkpoint of lrsr train: {reason}") from error
+    if not isinstance(checkpoint, dict) or not isinstance(checkpoint.get("state_dict"), dict):
+        raise InputError(f"{path} is no checkpoint of lrsr train: it holds no state_dict")
+    return checkpoint
+
+
+def _build(card: Card, tensors: Mapping[str, torch.Tensor]) -> nn.Module:
+    """Make the network and try it on a small picture.
+
+    Raises:
+        InputError: A weight is not finite, or the picture comes back in another size.
+    """
+    kind = NETWORKS[card.architecture]
+    with torch.device("meta"):  # no memory and no random numbers for what is replaced at once
+        network = kind(**{**card.arguments, **kind.in_use})
+    plain = torch.contiguous_format  # training may keep them otherwise, which rounds otherwise
+    state = {name: t.float().clone(memory_format=plain) for name, t in tensors.items()}
+    network.load_state_dict(state, assign=True)
+    network.eval().requires_grad_(False)
     for name, tensor in network.state_dict().items():
         if not bool(torch.isfinite(tensor).all()):
-            raise InputError(f"{path}: {name} holds a NaN or an infinity; train again")
-    return network.eval().requires_grad_(False), recipe
+            raise InputError(f"{name} holds a NaN or an infinity")
+    channels = 1 if card.input == "luminance" else 3
+    factor = 1 if card.enlarged_by else card.scale
+    got = tuple(network(torch.zeros(1, channels, 6, 7)).shape)
+    if got != (1, channels, 6 * factor, 7 * factor):
+        raise InputError(f"scale={card.scale}, but it makes {got[-2]}x{got[-1]} pixels of 6x7")
+    return network
 
 
-def _as_recipe(header: Mapping[str, str]) -> Recipe:
-    known = {field.name: header[field.name] for field in fields(Recipe)}
-    if known["architecture"] != ARCHITECTURE:
-        raise ValueError(f"it holds {known['architecture']!r}")
-    if known["enlarged_by"] != ENLARGED_BY:
-        raise ValueError(f"it wants input enlarged by {known['enlarged_by']!r}")
-    return Recipe(scale=int(known.pop("scale")), **known)
-
-
-def _read_tensors(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str, str]]:
+def _of_safetensors(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str, str]]:
     try:
         with safe_open(path, framework="pt") as file:
             names = file.keys()
@@ -90,16 +166,10 @@ def _read_tensors(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str, 
         raise InputError(f"{path} is no safetensors file ({error}); fetch it again") from error
 
 
-def _read_checkpoint(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str, str]]:
-    """Take the network and the recipe that ``SRCNNModule`` puts there.
-
-    Raises:
-        InputError: The file is broken or of another training.
-    """
-    from lrsr.sr.checkpoints import read_checkpoint  # Lightning: only for a .ckpt
-
+def _of_checkpoint(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str, str]]:
     checkpoint = read_checkpoint(path)
-    if "recipe" not in checkpoint:
-        raise InputError(f"{path} is no checkpoint of lrsr train sr=...: it holds no recipe")
-    state: Mapping[str, torch.Tensor] = checkpoint["state_dict"]
-    return {name.removeprefix("network."): t for name, t in state.items()}, checkpoint["recipe"]
+    card = checkpoint.get("card")
+    if not isinstance(card, dict):
+        raise InputError(f"{path} is no checkpoint of lrsr train sr=...: it holds no card")
+    state, prefix = checkpoint["state_dict"], "network."
+    return {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}, card

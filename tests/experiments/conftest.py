@@ -6,7 +6,8 @@ import onnx
 import pytest
 from onnx import TensorProto, helper
 
-from lrsr.recognition.contract import Contract, contract_path, sha256_of, write_contract
+from lrsr.onnx import contract_path, sha256_of
+from lrsr.recognition.contract import Contract, write_contract
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,8 @@ from fakes.painted import PaintedMaker
 from onnx import TensorProto, helper
 
 from lrsr.data.cache import RenderCache
-from lrsr.recognition.contract import Contract, contract_path, sha256_of, write_contract
+from lrsr.onnx import contract_path, sha256_of
+from lrsr.recognition.contract import Contract, write_contract
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -4,7 +4,8 @@ from pathlib import Path
 import pytest
 
 from lrsr.errors import InputError
-from lrsr.recognition.contract import contract_path, read_contract, sha256_of, write_contract
+from lrsr.onnx import contract_path, sha256_of
+from lrsr.recognition.contract import read_contract, write_contract
 
 
 def edit(model: Path, old: str, new: str) -> None:

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from lrsr.errors import ImageContractError, InputError
-from lrsr.recognition.contract import contract_path, sha256_of
+from lrsr.onnx import contract_path, sha256_of
 from lrsr.recognition.embedding import Embedder, unit_rows
 
 WriteModel = Callable[..., Path]

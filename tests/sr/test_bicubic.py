@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 import torch
 
-from lrsr.images import resize_bicubic as resize_of_images
-from lrsr.sr.bicubic import ENLARGED_BY, resize_bicubic
+from lrsr.images import resize_bicubic
+from lrsr.sr.upscaler import Bicubic
+from lrsr.sr.weights import ENLARGED_BY
 
 
 def keys(x: np.ndarray, a: float = -0.5) -> np.ndarray:
@@ -50,6 +51,8 @@ def test_lines_follow_imresizes_rule_to_the_edge(scale: int) -> None:
     np.testing.assert_allclose(resized.numpy(), imresize_line(line, scale), atol=2e-6)
 
 
-def test_there_is_one_bicubic() -> None:
-    assert resize_bicubic is resize_of_images
+def test_there_is_one_bicubic_and_reports_name_it() -> None:
+    picture = torch.rand(1, 3, 6, 5, generator=torch.Generator().manual_seed(0))
+    assert torch.equal(Bicubic(2)(picture), resize_bicubic(picture, 2).clamp(0, 1))
+    assert Bicubic(2).describe()["kernel"] == ENLARGED_BY
     assert "a=-0.5" in ENLARGED_BY

@@ -4,11 +4,14 @@ Dong et al., "Image Super-Resolution Using Deep Convolutional Networks" (2014/20
 sizes of the paper's Table 1: 64x1x9x9, 32x64x1x1, 1x32x5x5.
 """
 
+from types import MappingProxyType
 from typing import Literal
 
 import torch
 from torch import nn
 from torch.nn import functional as F
+
+from lrsr.sr.networks.network import Network
 
 #: Pixels that the three convolutions take from each side: 4 + 0 + 2.
 BORDER_PX = 6
@@ -17,7 +20,7 @@ Padding = Literal["none", "replicate"]
 Initialisation = Literal["default", "near-identity"]
 
 
-class SRCNN(nn.Module):
+class SRCNN(Network):
     """The network, from enlarged luminance to restored luminance.
 
     Args:
@@ -33,6 +36,9 @@ class SRCNN(nn.Module):
         >>> sum(p.numel() for p in SRCNN().parameters())
         8129
     """
+
+    input = "luminance"
+    in_use = MappingProxyType({"padding": "replicate"})
 
     def __init__(
         self, *, padding: Padding = "none", initialisation: Initialisation = "default"

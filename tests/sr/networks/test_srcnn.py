@@ -3,7 +3,7 @@ import pytest
 import torch
 from scipy.signal import correlate
 
-from lrsr.sr.srcnn import BORDER_PX, SRCNN, repeat_edge
+from lrsr.sr.networks.srcnn import BORDER_PX, SRCNN, repeat_edge
 
 
 def independent_srcnn(luminance: np.ndarray, weights: dict[str, np.ndarray]) -> np.ndarray:

@@ -1,0 +1,11 @@
+"""Which networks restore images? The list; a new one is a module here and a line in it."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from lrsr.sr.networks.edsr import EDSR
+from lrsr.sr.networks.network import Network
+from lrsr.sr.networks.srcnn import SRCNN
+
+#: Every network by the name that its card gives.
+NETWORKS: Mapping[str, type[Network]] = MappingProxyType({"srcnn": SRCNN, "edsr": EDSR})

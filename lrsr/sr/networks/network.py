@@ -1,0 +1,21 @@
+"""What must a super-resolution network say of itself?"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import ClassVar, Literal
+
+from torch import nn
+
+
+class Network(nn.Module):
+    """A network with plain constructor arguments (numbers, words), which are kept on its card.
+
+    Attributes:
+        input: "luminance": (B, 1, H, W), studio BT.601 / 255; "rgb": (B, 3, H, W) srgb, [0, 1].
+        in_use: Arguments that overrule the card's after training. In use a network must return
+            the whole picture: as large as its input if that was enlarged before, else
+            ``scale`` times as large.
+    """
+
+    input: ClassVar[Literal["luminance", "rgb"]]
+    in_use: ClassVar[Mapping[str, object]] = MappingProxyType({})
