@@ -162,12 +162,17 @@ def preset(group: str, name: str, **changes: Any) -> Any:
     """
     from omegaconf import OmegaConf  # and Hydra below: a quarter of a second where it is used
 
-    known = sorted(path.stem for path in (config_folder() / group).glob("*.yaml"))
+    known = presets(group)
     if name not in known:
         near = get_close_matches(str(name), known, n=1)
         hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(known)}"
         raise InputError(f"{group}={name}: there is none; {hint}")
     return build(OmegaConf.merge(_read_preset(group, name), changes), group)
+
+
+def presets(group: str) -> list[str]:
+    """Name what there is in a folder below ``conf``."""
+    return sorted(path.stem for path in (config_folder() / group).glob("*.yaml"))
 
 
 def _read_preset(group: str, name: str) -> Any:

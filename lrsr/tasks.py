@@ -3,79 +3,73 @@
 Every task returns the folder that holds its result; the command line prints it last.
 """
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
-from lrsr.configuration import number, numbers, section, whole_number, whole_numbers
+from lrsr.configuration import as_number, build, whole_numbers
 from lrsr.errors import InputError
-from lrsr.experiments.settings import IdentityRange, RenderingSettings, verification_settings
 from lrsr.paths import cache_folder
 from lrsr.provenance import write_provenance
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-    from lrsr.identities.splits import Split
+    from lrsr.pictures.cache import RenderCache
 
 
 def run_eval(config: "DictConfig") -> Path:
-    """Run a verification experiment; see :mod:`lrsr.experiments.verification`.
+    """Run an experiment: the class that its ``_target_`` names, e.g.
+    :class:`lrsr.experiments.verification.Verification`.
 
     Raises:
         InputError: A setting is wrong; nothing has been rendered by then.
     """
-    from lrsr.experiments.run import verify  # torch takes seconds
+    from hydra.utils import get_class  # loaded by then
 
-    settings = verification_settings(config)
+    experiment = get_class(str(config._target_)).from_config(config)
     folder = _run_folder()
     write_provenance(folder, config)
-    return verify(
-        settings,
-        folder,
-        cache=_cache(config),
-        camera=_instantiate(config.camera),
-        model=_path(config.recognition.model),
-    )
+    result: Path = experiment.run(folder, _cache(config))
+    return result
 
 
 run_demo = run_eval
 
 
 def run_render(config: "DictConfig") -> Path:
-    """Write probes or the gallery as PNG files with a manifest; see :mod:`lrsr.data.render`.
+    """Write probes or the gallery as PNG files with a manifest; see :mod:`lrsr.pictures.to_folder`.
 
     Raises:
         InputError: A setting is wrong.
     """
-    from lrsr.data.render import RenderSettings, render_to_folder
+    from omegaconf import OmegaConf
+
+    from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality, read_scene
+    from lrsr.pictures.to_folder import RenderSettings, render_to_folder
+    from lrsr.rendering.scene import Film
 
     out = _path(config.out)
     if out is None:
         raise InputError("out=null: give the folder for the pictures, e.g. out=probes")
-    people = section(IdentityRange, config, "identities")
+    film = Film(as_number(config.ipd_px, "ipd_px"))
+    probes = Sitting(
+        people=read_people(config),
+        scene=read_scene(config),
+        film=film,
+        quality=read_quality(config).at(film.ipd_px),
+        kind=config.kind,
+        seed=config.seed,
+    )
     settings = RenderSettings(
         out=out,
-        split=cast("Split", people.split),
-        start=people.start,
-        count=people.count,
-        cast=people.cast,
-        **asdict(section(RenderingSettings, config, "rendering")),
-        kind=config.kind,
-        pose=_instantiate(config.pose),
-        lighting=_instantiate(config.lighting),
-        lens=_instantiate(config.lens),
-        standpoint=_instantiate(config.standpoint),
-        expression=_instantiate(config.expression),
+        sitting=read_gallery(config) if config.kind == "gallery" else probes,
+        camera=build(config.camera, "camera"),
+        camera_settings=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
         compression=str(config.compression),
-        ipd_px=number(config, "ipd_px"),
         scales=whole_numbers(config, "scales"),
         png16=bool(config.png16),
-        camera=_instantiate(config.camera),
-        seed=whole_number(config, "seed"),
-        cache=_cache(config),
     )
-    folder = render_to_folder(settings).parent
+    folder = render_to_folder(settings, _cache(config)).parent
     write_provenance(folder, config)
     return folder
 
@@ -90,14 +84,11 @@ def run_identities(config: "DictConfig") -> Path:
     from lrsr.experiments.uniqueness import uniqueness_settings
 
     settings = uniqueness_settings(config)
+    camera = build(config.camera, "camera")
     folder = _run_folder()
     write_provenance(folder, config)
     return check_uniqueness(
-        settings,
-        folder,
-        cache=_cache(config),
-        camera=_instantiate(config.camera),
-        model=_path(config.recognition.model),
+        settings, folder, cache=_cache(config), camera=camera, model=_path(config.recognition.model)
     )
 
 
@@ -115,78 +106,16 @@ def run_fit_camera(config: "DictConfig") -> Path:
     return fit_to_folder(settings, folder, cache=_cache(config))
 
 
-def run_train(config: "DictConfig") -> Path:
-    """Train SRCNN or an embedder on probes rendered on the fly, into the run folder.
-
-    Raises:
-        InputError: Neither or both were asked for, or a setting is wrong.
-    """
-    asked = [key for key in ("sr", "recognition") if config.get(key) is not None]
-    if len(asked) != 1:
-        raise InputError("what to train? give one of sr=srcnn2x, sr=srcnn4x, recognition=arcface")
-    return _train_sr(config) if asked == ["sr"] else _train_recognition(config)
-
-
-def _train_sr(config: "DictConfig") -> Path:
-    from lrsr.sr.training import train
-
-    if "module" not in config.sr:
-        raise InputError("nothing to train there: give sr=srcnn2x or sr=srcnn4x")
-    section(IdentityRange, config, "identities")
-    section(RenderingSettings, config, "rendering")
-    seed = whole_number(config, "seed")
-    folder = _run_folder()
-    write_provenance(folder, config)
-    return train(
-        _instantiate(config.data),
-        _instantiate(config.sr.module),
-        folder=folder,
-        trainer=_instantiate(config.trainer),
-        callbacks=list(_instantiate(config.callbacks).values()),
-        loggers=list(_instantiate(config.logger).values()),
-        seed=seed,
-        resume=bool(config.resume),
-        about={"identities": config.identities.count, "ipd_px": numbers(config.data, "ipd_px")},
-    )
-
-
-def _train_recognition(config: "DictConfig") -> Path:
-    from omegaconf import OmegaConf
-
-    from lrsr.data.cache import RenderCache
-    from lrsr.recognition.faces import FaceSettings
-    from lrsr.recognition.training import TrainingSettings, train_embedder
-
-    if "training" not in config.recognition:
-        raise InputError("nothing to train there: give recognition=arcface")
-    faces = section(FaceSettings, config.recognition, "faces")
-    training = section(TrainingSettings, config.recognition, "training")
-    folder = _run_folder()
-    used = ("seed", "identities", "rendering", "camera", "paths", "recognition", "resume")
-    write_provenance(folder, OmegaConf.masked_copy(config, list(used)))
-    return train_embedder(
-        folder,
-        RenderCache(_cache(config)),
-        faces=faces,
-        training=training,
-        resume=bool(config.resume),
-    )
-
-
-def _instantiate(config: "DictConfig") -> Any:
-    from hydra.utils import instantiate  # loaded by then
-
-    return instantiate(config)
-
-
 def _run_folder() -> Path:
     from hydra.core.hydra_config import HydraConfig  # loaded by then
 
     return Path(HydraConfig.get().runtime.output_dir)
 
 
-def _cache(config: "DictConfig") -> Path:
-    return _path(config.paths.cache) or cache_folder()
+def _cache(config: "DictConfig") -> "RenderCache":
+    from lrsr.pictures.cache import RenderCache
+
+    return RenderCache(_path(config.paths.cache) or cache_folder())
 
 
 def _path(value: object) -> Path | None:

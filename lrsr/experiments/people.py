@@ -11,15 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.camera import Camera
-from lrsr.data.cache import RenderCache
-from lrsr.data.maker import Maker, mitsuba_maker
-from lrsr.data.manifest import ManifestRow, write_manifest
-from lrsr.data.probes import Probe
-from lrsr.data.render import write_picture
-from lrsr.experiments.demographics import draw_spread, spread
-from lrsr.experiments.figures import data_uri, draw_angles, encode_face
-from lrsr.experiments.portraits import draw_portraits
-from lrsr.experiments.report import FILE, flat, template
+from lrsr.experiments.report.demographics import draw_spread, spread
+from lrsr.experiments.report.figures import data_uri, draw_angles, encode_face
+from lrsr.experiments.report.sheets import draw_portraits
+from lrsr.experiments.report.page import FILE, flat, template
 from lrsr.experiments.uniqueness import (
     Findings,
     Gallery,
@@ -32,6 +27,11 @@ from lrsr.experiments.uniqueness import (
 from lrsr.files import write_bytes, write_json, write_text
 from lrsr.identities.roster import write_roster
 from lrsr.identities.uniqueness import Drawn, summarise
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.folder import Entry, write_manifest
+from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.picture import Picture
+from lrsr.pictures.to_folder import write_picture
 from lrsr.provenance import versions
 from lrsr.recognition.encoders import load_encoder
 
@@ -83,7 +83,7 @@ def check_uniqueness(
     settings: UniquenessSettings,
     folder: Path,
     *,
-    cache: Path,
+    cache: RenderCache,
     camera: Camera,
     model: Path | None = None,
     maker: Maker | None = None,
@@ -96,7 +96,7 @@ def check_uniqueness(
     Args:
         settings: What is asked.
         folder: Of the run.
-        cache: Folder of the render cache.
+        cache: Where renderings are kept.
         camera: Takes every picture.
         model: ONNX embedder in place of the shipped one, with its contract beside it.
         maker: Renders; Mitsuba when None.
@@ -110,7 +110,7 @@ def check_uniqueness(
     """
     maker = maker or mitsuba_maker()
     encoder = load_encoder(settings.encoder, model)
-    gallery = Gallery(settings, RenderCache(cache), encoder, camera, maker, progress=progress)
+    gallery = Gallery(settings, cache, encoder, camera, maker, progress=progress)
     findings = find_distinct(settings, gallery)
     roster = make_roster(settings, findings, maker.versions["identities"])
     write_roster(folder / ROSTER, roster)
@@ -122,7 +122,7 @@ def check_uniqueness(
         **summary(findings),
         "gate": gate,
         "distribution": spread(findings.people),
-        "config": asdict(settings),
+        "config": settings.describe(),
         "versions": made_by,
     }
     write_json(folder / "results.json", written)
@@ -175,23 +175,25 @@ def _write_pictures(
     folder: Path, gallery: Gallery, drawn: Sequence[Drawn], shown: set[Drawn]
 ) -> dict[Drawn, Look]:
     """Write everyone's picture and the manifest; return the looks of those who are shown."""
-    rows: list[ManifestRow] = []
+    rows: list[Entry] = []
     looks: dict[Drawn, Look] = {}
     for start in range(0, len(drawn), 64):
         some = drawn[start : start + 64]
-        for one, probe in zip(some, gallery.photograph(some), strict=True):
-            row = write_picture(folder / PICTURES, probe)
+        for one, picture in zip(some, gallery.photograph(some), strict=True):
+            row = write_picture(
+                folder / PICTURES, picture, gallery.recipe(one), gallery.camera, PLACEHOLDER
+            )
             rows.append(replace(row, file=f"{PICTURES}/{row.file}"))
             if one in shown:
-                looks[one] = Look(probe.image.numpy(), _caption(probe))
+                looks[one] = Look(picture.image.numpy(), _caption(picture))
     write_manifest(folder, rows)
     return looks
 
 
-def _caption(probe: Probe) -> str:
-    if probe.person is None:
-        return probe.identity_id
-    return f"{probe.identity_id}  {probe.person.sex[0]} {probe.person.age_years:.0f}"
+def _caption(picture: Picture) -> str:
+    if picture.traits is None:
+        return picture.identity_id
+    return f"{picture.identity_id}  {picture.traits.sex[0]} {picture.traits.age_years:.0f}"
 
 
 def _write_figures(
@@ -271,12 +273,12 @@ def _page(
         settings=list(flat(_settings(settings, findings))),
         versions=made_by,
         commit=made_by["git"],
-        seed=settings.seed,
+        seed=settings.gallery.seed,
     )
 
 
 def _settings(settings: UniquenessSettings, findings: Findings) -> dict[str, Any]:
-    return {**asdict(settings), "recognition": dict(findings.encoder)}
+    return {**settings.describe(), "recognition": dict(findings.encoder)}
 
 
 def _halved(face: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -5,7 +5,7 @@ left is described: who they are, the angles between them, and the nearest pairs.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -13,12 +13,8 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from lrsr.camera import Camera
-from lrsr.configuration import number, require, section, whole_number
-from lrsr.data.cache import RenderCache
-from lrsr.data.maker import Maker, mitsuba_maker
-from lrsr.data.probes import Probe, ProbeRecipe, load_probes, render_missing, stack
-from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
-from lrsr.identities.person import Person
+from lrsr.configuration import number, require, whole_number
+from lrsr.identities.person import Traits
 from lrsr.identities.roster import Roster
 from lrsr.identities.uniqueness import (
     Distinct,
@@ -29,6 +25,12 @@ from lrsr.identities.uniqueness import (
     pairwise_angles_deg,
     summarise,
 )
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.picture import Picture, stack
+from lrsr.pictures.recipe import Recipe
+from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
+from lrsr.pictures.sitting import Sitting, read_gallery
 from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
 
 if TYPE_CHECKING:
@@ -37,27 +39,19 @@ if TYPE_CHECKING:
 NEAREST = 10
 """Pairs that are shown side by side."""
 
-_CHUNK = 64
-
 
 @dataclass(frozen=True)
 class UniquenessSettings:
     """Everything that the outcome depends on.
 
     Attributes:
-        identities: Who is looked at; a roster is gone on from.
-        gallery: The picture of each.
-        rendering: How light becomes a film.
-        seed: Every sampler's seed follows from it.
+        gallery: Who is looked at, and the picture of each; a roster is gone on from.
         encoder: What compares them.
         smallest_angle_deg: Nearer than that, the later of two is redrawn; 0 redraws nobody.
         most_redraws: Per person.
     """
 
-    identities: IdentityRange
-    gallery: GallerySettings
-    rendering: RenderingSettings
-    seed: int
+    gallery: Sitting
     encoder: Literal["dlib", "shipped"]
     smallest_angle_deg: float
     most_redraws: int
@@ -66,6 +60,10 @@ class UniquenessSettings:
         angle = self.smallest_angle_deg
         require(0 <= angle < 90, "smallest_angle_deg", angle, "0 to 90 degrees")
         require(self.most_redraws >= 0, "most_redraws", self.most_redraws, "at least 0")
+
+    def describe(self) -> dict[str, Any]:
+        """Return all of it in plain values."""
+        return {**vars(self), "gallery": self.gallery.describe()}
 
 
 def uniqueness_settings(config: "DictConfig") -> UniquenessSettings:
@@ -77,10 +75,7 @@ def uniqueness_settings(config: "DictConfig") -> UniquenessSettings:
     encoder = resolve_encoder(str(config.encoder))
     given = config.smallest_angle_deg is not None
     return UniquenessSettings(
-        identities=section(IdentityRange, config, "identities"),
-        gallery=section(GallerySettings, config, "gallery"),
-        rendering=section(RenderingSettings, config, "rendering"),
-        seed=whole_number(config, "seed"),
+        gallery=read_gallery(config),
         encoder=encoder,
         smallest_angle_deg=(
             number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
@@ -113,27 +108,20 @@ class Gallery:
     ) -> None:
         self.settings = settings
         self.encoder = encoder
-        self.people: dict[Drawn, Person | None] = {}
+        self.people: dict[Drawn, Traits | None] = {}
         self.embeddings: dict[Drawn, NDArray[np.float32]] = {}
         self._cache = cache
-        self._camera = camera.clean()
+        self.camera = camera.clean()
         self._maker, self._progress = maker or mitsuba_maker(), progress
 
-    def recipe(self, drawn: Drawn) -> ProbeRecipe:
+    def recipe(self, drawn: Drawn) -> Recipe:
         """Return what somebody is rendered as; the same as the gallery of ``lrsr eval``."""
-        (index, redraw), settings = drawn, self.settings
-        people, rendering = settings.identities, settings.rendering
-        return ProbeRecipe(
-            split=people.split,  # type: ignore[arg-type]  # checked to be a split
-            index=index,
-            kind="gallery",
-            **asdict(settings.gallery),
-            texture_size=rendering.texture_size,
-            skin=rendering.skin,
-            max_depth=rendering.max_depth,
-            population=people.cast.population,
-            draw=people.cast.draw(people.split, index) + redraw,
-        ).seeded(settings.seed)
+        (index, redraw), sitting = drawn, self.settings.gallery
+        person = sitting.people.person(index)
+        redrawn = replace(person, draw=person.draw + redraw)
+        return Recipe(redrawn, sitting.scene, sitting.film, sitting.quality).seeded(
+            sitting.seed, sitting.kind
+        )
 
     def embed(self, drawn: Sequence[Drawn]) -> NDArray[np.float32]:
         """Render, photograph and embed people; return ``(n, D)``.
@@ -141,31 +129,31 @@ class Gallery:
         Raises:
             InputError: The cache cannot be read or written.
         """
-        recipes = [self.recipe(one) for one in drawn]
+        recipes = [filmed(self.recipe(one), self.camera) for one in drawn]
         render_missing(recipes, self._cache, progress=self._progress, maker=self._maker)
         with tqdm(
             total=len(drawn), desc="comparing", unit="face", disable=not self._progress
         ) as bar:
-            for start in range(0, len(drawn), _CHUNK):
-                some = drawn[start : start + _CHUNK]
-                probes = self.photograph(some)
-                images, landmarks = stack(probes)
+            for start in range(0, len(drawn), CHUNK):
+                some = drawn[start : start + CHUNK]
+                pictures = self.photograph(some)
+                images, landmarks = stack(pictures)
                 rows = self.encoder.embed(images, landmarks.numpy())
                 self.embeddings |= dict(zip(some, rows, strict=True))
-                for one, probe in zip(some, probes, strict=True):
-                    self.people[one] = probe.person
+                for one, picture in zip(some, pictures, strict=True):
+                    self.people[one] = picture.traits
                 bar.update(len(some))
         return np.stack([self.embeddings[one] for one in drawn])
 
-    def photograph(self, drawn: Sequence[Drawn]) -> list[Probe]:
+    def photograph(self, drawn: Sequence[Drawn]) -> list[Picture]:
         """Return the pictures of people.
 
         Raises:
             InputError: The cache cannot be read or written.
         """
         recipes = [self.recipe(one) for one in drawn]
-        return load_probes(
-            recipes, self._cache, self._camera, progress=self._progress, maker=self._maker
+        return take_pictures(
+            recipes, self._cache, self.camera, progress=self._progress, maker=self._maker
         )
 
     def judge(self, drawn: Sequence[Drawn]) -> list[Mapping[str, Any]]:
@@ -174,13 +162,13 @@ class Gallery:
         from lrsr.identities.splits import identity_seed
 
         silent = not (self._progress and drawn)
-        recipes = (self.recipe(one) for one in drawn)
+        people = (self.recipe(one).person for one in drawn)
         return [
             sample_parameters(
-                identity_seed(recipe.split, recipe.index, recipe.draw),
-                population=recipe.population,
+                identity_seed(person.split, person.index, person.draw),
+                population=person.population,
             )["gate"]
-            for recipe in tqdm(recipes, "judging", len(drawn), unit="person", disable=silent)
+            for person in tqdm(people, "judging", len(drawn), unit="person", disable=silent)
         ]
 
 
@@ -201,7 +189,7 @@ class Findings:
 
     drawn: tuple[Drawn, ...]
     names: Mapping[Drawn, str]
-    people: tuple[Person, ...]
+    people: tuple[Traits, ...]
     angles_deg: NDArray[np.float32]
     first_angles_deg: NDArray[np.float32]
     pairs: tuple[Pair, ...]
@@ -215,7 +203,7 @@ def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
     Raises:
         InputError: The cache cannot be read or written.
     """
-    people = settings.identities
+    people = settings.gallery.people
     indices = range(people.start, people.start + people.count)
     outcome = draw_distinct(
         indices,
@@ -228,7 +216,7 @@ def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
     known = [gallery.people[one] for one in drawn]
     return Findings(
         drawn=drawn,
-        names={one: gallery.recipe(one).identity_id for one in gallery.embeddings},
+        names={one: gallery.recipe(one).person.id for one in gallery.embeddings},
         people=tuple(person for person in known if person is not None),
         angles_deg=pairwise_angles_deg(rows),
         first_angles_deg=pairwise_angles_deg(
@@ -242,7 +230,7 @@ def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
 
 def make_roster(settings: UniquenessSettings, findings: Findings, recipe_version: str) -> Roster:
     """Return the roster of those left; redraws of a roster that was gone on from are added."""
-    people = settings.identities
+    people = settings.gallery.people
     draws = {
         index: redraw + people.cast.draw(people.split, index) for index, redraw in findings.drawn
     }

@@ -18,7 +18,7 @@ def report_lines(rows: Entries, comparisons: Entries) -> list[dict[str, Any]]:
     """Return each row as the words that the template prints.
 
     Args:
-        rows: Lines of the table, as of :class:`lrsr.experiments.report.Report`.
+        rows: Lines of the table, as of :class:`lrsr.experiments.report.page.Report`.
         comparisons: Its paired tests; each is found again in the line of its method. Those that
             remain significant at 5 % after Holm's correction for all of them are marked.
     """

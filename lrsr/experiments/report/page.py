@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from lrsr.errors import InputError
 from lrsr.evaluation.roc import RocCurve
-from lrsr.experiments.figures import Interval, draw_intervals, draw_roc, encode_face
-from lrsr.experiments.report_lines import best_methods, method_labels, report_lines
+from lrsr.experiments.report.figures import Interval, draw_intervals, draw_roc, encode_face
+from lrsr.experiments.report.lines import best_methods, method_labels, report_lines
 from lrsr.files import write_text
 
 FILE = "report.html"

@@ -1,13 +1,58 @@
 import io
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
+import torch
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
 from lrsr.errors import ImageContractError
-from lrsr.experiments.portraits import GAP_PX, LINE_PX, draw_portraits
+from lrsr.experiments.report.sheets import (
+    GAP_PX,
+    HEADING_PX,
+    LINE_PX,
+    TILE_PX,
+    draw_contact_sheet,
+    draw_portraits,
+)
+
+
+def test_every_picture_has_its_place() -> None:
+    shades = torch.tensor([0.2, 0.6])[:, None, None, None]
+    pictures = {"Probe": shades.expand(2, 3, 8, 8), "Reference": 1 - shades.expand(2, 3, 32, 32)}
+    sheet = cv2.imdecode(np.frombuffer(draw_contact_sheet(pictures), np.uint8), cv2.IMREAD_COLOR)
+    step = TILE_PX + GAP_PX
+    assert sheet.shape == (HEADING_PX + 2 * step + GAP_PX, 2 * step + GAP_PX, 3)
+    middles = [GAP_PX + TILE_PX // 2 + number * step for number in (0, 1)]
+    found = sheet[np.ix_([HEADING_PX + y for y in middles], middles)][..., 0]
+    assert found.tolist() == [[51, 204], [153, 102]]
+
+
+def test_a_small_picture_keeps_its_square_pixels() -> None:
+    chequer = torch.tensor([[0.0, 1.0], [1.0, 0.0]]).expand(1, 3, 2, 2)
+    sheet = cv2.imdecode(
+        np.frombuffer(draw_contact_sheet({"a": chequer, "b": chequer}), np.uint8), cv2.IMREAD_COLOR
+    )
+    tile = sheet[HEADING_PX + GAP_PX :, GAP_PX:][:TILE_PX, :TILE_PX, 0]
+    expected = np.kron([[0, 255], [255, 0]], np.ones((TILE_PX // 2, TILE_PX // 2)))
+    np.testing.assert_array_equal(tile, expected)
+
+
+@pytest.mark.parametrize(("columns", "people"), [(1, 1), (2, 7), (3, 2), (5, 3), (6, 5), (7, 1)])
+def test_the_sheet_is_as_large_as_its_pictures(columns: int, people: int) -> None:
+    # At 100 dpi, matplotlib 3.9 makes 28 of 29 px, 57 of 58, 114 of 115.
+    white = torch.ones(1, 1, 1, 1).expand(people, 3, 4, 4)
+    pictures = {f"method {number}": white for number in range(columns)}
+    sheet = cv2.imdecode(np.frombuffer(draw_contact_sheet(pictures), np.uint8), cv2.IMREAD_COLOR)
+    step = TILE_PX + GAP_PX
+    assert sheet.shape == (HEADING_PX + people * step + GAP_PX, columns * step + GAP_PX, 3)
+
+
+def test_columns_must_show_the_same_people() -> None:
+    with pytest.raises(ImageContractError, match="as many people"):
+        draw_contact_sheet({"a": torch.zeros(1, 3, 4, 4), "b": torch.zeros(2, 3, 4, 4)})
 
 
 def drawn(faces: Any, *, columns: int = 3, **options: Any) -> NDArray[np.int_]:

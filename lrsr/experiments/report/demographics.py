@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from lrsr.experiments.figures import DPI, STYLE, png_bytes
-from lrsr.identities.person import TONES, Person
+from lrsr.experiments.report.figures import DPI, STYLE, png_bytes
+from lrsr.identities.person import TONES, Traits
 from lrsr.identities.population import ANCESTRIES
 
 DECADES = (18, 30, 40, 50, 60, 70, 81)
@@ -26,7 +26,7 @@ _SWATCHES = ("#f3d9c6", "#e6bd9f", "#cf9c77", "#ab7450", "#7c4d31", "#432a1f")
 """About what skin of each tone looks like; for the eye only."""
 
 
-def spread(people: Sequence[Person]) -> dict[str, Any]:
+def spread(people: Sequence[Traits]) -> dict[str, Any]:
     """Count people by sex, age, main ancestry and skin tone.
 
     Args:
@@ -67,7 +67,7 @@ def spread(people: Sequence[Person]) -> dict[str, Any]:
     }
 
 
-def draw_spread(people: Sequence[Person]) -> bytes:
+def draw_spread(people: Sequence[Traits]) -> bytes:
     """Draw ages by sex, main ancestries, and skin tones with the ITA.
 
     Args:
@@ -91,12 +91,12 @@ def draw_spread(people: Sequence[Person]) -> bytes:
         return png_bytes(figure)
 
 
-def _main_ancestry(person: Person) -> str:
+def _main_ancestry(person: Traits) -> str:
     race = max(person.ancestry, key=lambda name: person.ancestry[name])
     return race if person.ancestry[race] >= MAINLY else "mixed"
 
 
-def _draw_ages(axes: Axes, people: Sequence[Person]) -> None:
+def _draw_ages(axes: Axes, people: Sequence[Traits]) -> None:
     by_sex = [[person.age_years for person in people if person.sex == sex] for sex in _SEXES]
     names = [f"{sex} ({len(ages)})" for sex, ages in zip(_SEXES, by_sex, strict=True)]
     colours = [_SEX_COLOURS[sex] for sex in _SEXES]
@@ -113,7 +113,7 @@ def _draw_bars(axes: Axes, counts: dict[str, int], colour: str | Sequence[str]) 
     axes.margins(y=0.15)
 
 
-def _draw_angles(axes: Axes, people: Sequence[Person]) -> None:
+def _draw_angles(axes: Axes, people: Sequence[Traits]) -> None:
     angles = [person.ita_deg for person in people]
     low, high = min(-60.0, *angles), max(70.0, *angles)
     edges = [high, *list(TONES.values())[:-1], low]

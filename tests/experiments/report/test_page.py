@@ -14,8 +14,8 @@ from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.biometrics import fnmr_at_fmr
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
 from lrsr.evaluation.roc import trace_roc
-from lrsr.experiments.report import Panel, Report, render_html, write_report
-from lrsr.experiments.report_lines import format_p
+from lrsr.experiments.report.lines import format_p
+from lrsr.experiments.report.page import Panel, Report, render_html, write_report
 
 METHODS = {"base": "Base", "bicubic4": "Bicubic 4", "srcnn4": "SR 4"}
 

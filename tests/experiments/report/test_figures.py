@@ -10,7 +10,7 @@ from matplotlib.image import imread
 
 from lrsr.errors import ImageContractError
 from lrsr.evaluation.roc import trace_roc
-from lrsr.experiments.figures import (
+from lrsr.experiments.report.figures import (
     COLOURS,
     DASHES,
     Interval,

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from lrsr.experiments.demographics import DECADES, draw_spread, spread
-from lrsr.identities.person import TONES, Person, tone_of
+from lrsr.experiments.report.demographics import DECADES, draw_spread, spread
+from lrsr.identities.person import TONES, Traits, tone_of
 from lrsr.identities.population import ANCESTRIES, OLDEST_YEARS, YOUNGEST_YEARS
 
 ASIAN = {"african": 0.1, "asian": 0.8, "caucasian": 0.1}
 MIXED = {"african": 0.4, "asian": 0.2, "caucasian": 0.4}
-JANE = Person("female", 29.99, ASIAN, 45.0, "light")
-JOHN = Person("male", 30.0, MIXED, -35.0, "dark")
+JANE = Traits("female", 29.99, ASIAN, 45.0, "light")
+JOHN = Traits("male", 30.0, MIXED, -35.0, "dark")
 
 
-def crowd(count: int, seed: int = 0) -> list[Person]:
+def crowd(count: int, seed: int = 0) -> list[Traits]:
     rng = np.random.default_rng(seed)
     people = []
     for _ in range(count):
@@ -25,7 +25,7 @@ def crowd(count: int, seed: int = 0) -> list[Person]:
         ita_deg = float(rng.uniform(-60, 70))
         age = float(rng.uniform(YOUNGEST_YEARS, OLDEST_YEARS))
         sex = str(rng.choice(["female", "male"]))
-        people.append(Person(sex, age, shares, ita_deg, tone_of(ita_deg)))
+        people.append(Traits(sex, age, shares, ita_deg, tone_of(ita_deg)))
     return people
 
 

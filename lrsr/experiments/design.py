@@ -1,0 +1,222 @@
+"""What is asked of a verification experiment? Who, how pictured, how enlarged, how sure."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from lrsr.camera import Camera
+from lrsr.camera.codec import COMPRESSIONS
+from lrsr.configuration import (
+    as_whole,
+    build,
+    number,
+    numbers,
+    preset,
+    presets,
+    require,
+    value_of,
+    whole_number,
+    whole_numbers,
+    words,
+)
+from lrsr.identities.roster import IdentityRange
+from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality
+from lrsr.pictures.source import Photographs, read_photographs
+from lrsr.rendering.scene import Film, Quality, Scene
+from lrsr.sr.upscaler import Upscaler
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One way to photograph everyone: an option of the experiment at one size.
+
+    Attributes:
+        option: Number of the option, e.g. 1 to 6 of the paper's Table 2.
+        scene: What stands before the camera; None for photographs.
+        compression: ``none``, ``small`` or ``heavy``; what the manifest says of photographs.
+        ipd_px: Interpupillary distance on the probe, px; None: not known.
+    """
+
+    option: int
+    scene: Scene | None
+    compression: str
+    ipd_px: float | None
+
+    def __post_init__(self) -> None:
+        if self.scene is None:
+            return
+        ipd_px = Film(self.ipd_px or 0).ipd_px
+        require(ipd_px >= 4, "ipd_px", f"{ipd_px:g}", "at least 4")
+        known = f"one of {', '.join(COMPRESSIONS)}"
+        require(self.compression in COMPRESSIONS, "compression", self.compression, known)
+
+    @property
+    def pose(self) -> str:
+        """Its name."""
+        return "" if self.scene is None else self.scene.pose.name
+
+    @property
+    def lighting(self) -> str:
+        """Its name."""
+        return "" if self.scene is None else self.scene.lighting.name
+
+
+@dataclass(frozen=True)
+class Design:
+    """Everything that a verification experiment depends on.
+
+    Attributes:
+        name: Of the experiment.
+        question: What its table answers.
+        conditions: The rows of the table, in order.
+        upscalers: The methods of every row, by name.
+        people: Who takes part.
+        quality: How well a probe of 8 px is rendered.
+        seed: Every sampler's seed follows from it.
+        gallery: What they are compared with.
+        camera: Takes the probes, with the condition's compression; all other pictures are taken by
+            the reference camera, with the same exposure and without compression.
+        level: Of every interval, between 0 and 1.
+        model: ONNX embedder with its contract beside it; None: the one that ships.
+        probes_folder: Photographs in place of rendered probes, under the one condition given.
+        gallery_folder: Photographs in place of rendered enrolled pictures.
+
+    Raises:
+        InputError: A number is out of its range.
+    """
+
+    name: str
+    question: str
+    conditions: tuple[Condition, ...]
+    upscalers: Mapping[str, Upscaler]
+    people: IdentityRange
+    quality: Quality
+    seed: int
+    gallery: Sitting
+    camera: Camera
+    level: float = 0.95
+    model: Path | None = None
+    probes_folder: Path | None = None
+    gallery_folder: Path | None = None
+
+    def __post_init__(self) -> None:
+        count = self.people.count
+        if self.probes_folder is None:
+            wish = "at least 2: nobody is an impostor alone"
+            require(count >= 2, "identities.count", count, wish)
+        require(len(self.conditions) > 0, "options", [], "at least one")
+        require(len(self.upscalers) > 0, "methods", [], "at least one")
+        require(0 < self.level < 1, "level", self.level, "between 0 and 1")
+
+    @classmethod
+    def from_config(cls, config: "DictConfig") -> "Design":
+        """Read a composed configuration of ``lrsr eval``.
+
+        Raises:
+            InputError: A value is wrong; the message names the setting and the remedy.
+        """
+        landmarks = config.recognition.landmarks
+        require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
+        conditions = _conditions(config)
+        folders = {key: _folder(config, key) for key in ("probes", "gallery")}
+        if folders["probes"] is not None:
+            conditions = (_condition_of(read_photographs(folders["probes"], "probe")),)
+        return cls(
+            name=str(config.name),
+            question=str(config.question),
+            conditions=conditions,
+            upscalers=_upscalers(config),
+            people=read_people(config),
+            quality=read_quality(config),
+            seed=whole_number(config, "seed"),
+            gallery=read_gallery(config),
+            camera=build(config.camera, "camera"),
+            level=number(config, "level"),
+            model=_path(config.recognition.model),
+            probes_folder=folders["probes"],
+            gallery_folder=folders["gallery"],
+        )
+
+    def describe(self) -> dict[str, Any]:
+        """Return all of it in plain values, for ``results.json``."""
+        return {
+            "name": self.name,
+            "question": self.question,
+            "conditions": [_plain(condition) for condition in self.conditions],
+            "methods": {name: upscaler.describe() for name, upscaler in self.upscalers.items()},
+            "identities": asdict(self.people),
+            "rendering": asdict(self.quality),
+            "gallery": self.gallery.describe(),
+            "camera": self.camera.name,
+            "level": self.level,
+            "seed": self.seed,
+            "probes_folder": None if self.probes_folder is None else str(self.probes_folder),
+            "gallery_folder": None if self.gallery_folder is None else str(self.gallery_folder),
+        }
+
+
+def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
+    table = {as_whole(_digits(key), "conditions"): node for key, node in config.conditions.items()}
+    usual: dict[str, Any] = {"pose": "frontal", "lighting": "frontal", "compression": "none"}
+    usual |= {"lens": config.lens, "standpoint": config.standpoint}
+    found = []
+    for ipd_px in numbers(config, "ipd_px"):
+        for option in whole_numbers(config, "options"):
+            require(option in table, "options", option, f"one of {sorted(table)}")
+            node = usual | dict(table[option])
+            compression = str(node.pop("compression"))
+            for group in node:
+                wish = f"no such setting; there are {', '.join((*usual, 'expression'))}"
+                require(group in (*usual, "expression"), f"conditions.{option}", group, wish)
+            scene = Scene(**{group: value_of(group, node[group]) for group in node})
+            found.append(Condition(option, scene, compression, ipd_px))
+    return tuple(found)
+
+
+def _digits(key: Any) -> Any:
+    return int(key) if str(key).isdecimal() else key
+
+
+def _plain(condition: Condition) -> dict[str, Any]:
+    scene = None if condition.scene is None else condition.scene.describe()
+    return {**vars(condition), "scene": scene}
+
+
+def _folder(config: "DictConfig", key: str) -> Path | None:
+    return _path(config[key].folder)
+
+
+def _path(value: Any) -> Path | None:
+    return None if value is None else Path(str(value)).expanduser().resolve()
+
+
+def _condition_of(photographs: Photographs) -> Condition:
+    """Say of photographs what their manifest says of all of them."""
+    entries = photographs.entries
+    sizes = {entry.ipd_px for entry in entries}
+    compressions = {entry.compression for entry in entries}
+    return Condition(
+        option=1,
+        scene=None,
+        compression=compressions.pop() if len(compressions) == 1 else "",
+        ipd_px=sizes.pop() if len(sizes) == 1 else None,
+    )
+
+
+def _upscalers(config: "DictConfig") -> dict[str, Upscaler]:
+    from omegaconf import OmegaConf
+
+    own = cast("dict[str, dict[str, Any]]", OmegaConf.to_container(config.sr, resolve=True))
+    methods = words(config, "methods")
+    for name in own:
+        require(name in methods, "methods", methods, f"{name} among them, as sr.{name} is given")
+    return {
+        name: preset("sr", name, **own.get(name, {}))
+        if name not in own or name in presets("sr")
+        else build({"_target_": "lrsr.sr.load_upscaler", "label": name, **own[name]}, f"sr.{name}")
+        for name in methods
+    }

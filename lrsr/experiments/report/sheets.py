@@ -1,0 +1,115 @@
+"""What do people look like side by side? Sheets of faces as PNG files, pixels left square."""
+
+import io
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
+from torchvision.transforms.v2 import InterpolationMode
+from torchvision.transforms.v2.functional import resize
+from torchvision.utils import make_grid
+
+from lrsr.errors import ImageContractError
+
+TILE_PX = 128
+GAP_PX = 4
+HEADING_PX = 24
+LINE_PX = 20
+_DPI = 128  # a power of two: no pixel is lost on the way through inches and back
+
+Words = Sequence[tuple[str, float, float, float]]
+"""Text, the x and y of its middle in pixels, and its size in points."""
+
+
+def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
+    """Draw columns side by side, a row a person, each picture as large as the others.
+
+    Args:
+        pictures: By heading, each ``(n, 3, h, w)`` srgb, [0, 1], any size, the same n people.
+
+    Returns:
+        A PNG.
+
+    Raises:
+        ImageContractError: There is no column, or they show different numbers of people.
+    """
+    if len({len(column) for column in pictures.values()}) != 1:
+        sizes = {heading: len(column) for heading, column in pictures.items()}
+        raise ImageContractError(f"contact sheet: got {sizes}, wanted as many people in each")
+    tiles = torch.stack([_tile(column) for column in pictures.values()], dim=1).flatten(0, 1)
+    grid = make_grid(tiles, nrow=len(pictures), padding=GAP_PX, pad_value=1.0)
+    if len(tiles) == 1:  # which torchvision leaves without its frame
+        grid = F.pad(grid, [GAP_PX] * 4, value=1.0)
+    sheet = np.ones((grid.shape[1] + HEADING_PX, grid.shape[2], 3))
+    sheet[HEADING_PX:] = grid.permute(1, 2, 0).numpy()
+    middles = GAP_PX + TILE_PX / 2 + np.arange(len(pictures)) * (TILE_PX + GAP_PX)
+    headings = zip(pictures, middles.tolist(), strict=True)
+    return _draw(sheet, [(heading, x, HEADING_PX / 2, 7.8) for heading, x in headings])
+
+
+def draw_portraits(
+    faces: Sequence[ArrayLike], captions: Sequence[str], *, columns: int, group: int = 1
+) -> bytes:
+    """Draw portraits pixel for pixel, row by row, on white, a line under each.
+
+    Args:
+        faces: Each ``(3, h, w)`` srgb, [0, 1], all of one size; at least one.
+        captions: One under each.
+        columns: Portraits in a row, a multiple of ``group``.
+        group: Portraits that belong together; between groups the gap is wider.
+
+    Returns:
+        A PNG.
+
+    Raises:
+        ImageContractError: There is no face, the sizes differ, or there are not as many captions.
+    """
+    images = [np.asarray(face, dtype=np.float64) for face in faces]
+    shapes = sorted({image.shape for image in images})
+    if len(shapes) != 1 or len(shapes[0]) != 3 or shapes[0][0] != 3:
+        raise ImageContractError(f"portraits: got shapes {shapes}, wanted one (3, h, w)")
+    if len(captions) != len(images):
+        raise ImageContractError(f"portraits: got {len(captions)} captions, {len(images)} faces")
+    _, height, width = shapes[0]
+    columns = min(columns, len(images))
+    places = [_place(k, columns, group, height, width) for k in range(len(images))]
+    across = max(x for _, x in places) + width + GAP_PX
+    down = max(y for y, _ in places) + height + LINE_PX
+    sheet = np.ones((down, across, 3))
+    for image, (y, x) in zip(images, places, strict=True):
+        sheet[y : y + height, x : x + width] = image.clip(0, 1).transpose(1, 2, 0)
+    size = min(7.0, 7.0 * width / 160)  # points; 160 px hold "test-00000-female  f 41"
+    lines = zip(captions, places, strict=True)
+    return _draw(
+        sheet, [(text, x + width / 2, y + height + LINE_PX / 2, size) for text, (y, x) in lines]
+    )
+
+
+def _draw(sheet: NDArray[np.float64], words: Words) -> bytes:
+    """Encode ``(H, W, 3)`` in [0, 1] with words on it."""
+    height, width, _ = sheet.shape
+    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
+    figure.figimage(np.rint(sheet * 255).astype(np.uint8), xo=0, yo=0, origin="upper")
+    for text, x, y, size in words:
+        figure.text(x / width, 1 - y / height, text, ha="center", va="center", fontsize=size)
+    buffer = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def _tile(column: torch.Tensor) -> torch.Tensor:
+    small = column.shape[-1] <= TILE_PX
+    how = InterpolationMode.NEAREST if small else InterpolationMode.BICUBIC
+    tile: torch.Tensor = resize(column, [TILE_PX, TILE_PX], how, antialias=not small)
+    return tile.clamp(0, 1)
+
+
+def _place(number: int, columns: int, group: int, height: int, width: int) -> tuple[int, int]:
+    """Return top and left of a portrait."""
+    row, column = divmod(number, columns)
+    wide = column // group * (4 * GAP_PX if group > 1 else 0)
+    return GAP_PX + row * (height + LINE_PX + GAP_PX), GAP_PX + column * (width + GAP_PX) + wide

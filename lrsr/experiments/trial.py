@@ -1,0 +1,211 @@
+"""A verification experiment under way: rendered, photographed, enlarged, embedded and scored."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from lrsr.evaluation.quality import psnr_y
+from lrsr.evaluation.scores import CosineScores
+from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.table import Comparison, Row, evaluate
+from lrsr.images import scale_points
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.maker import Maker
+from lrsr.pictures.picture import Picture, stack
+from lrsr.pictures.sitting import Sitting
+from lrsr.pictures.source import (
+    Rendered,
+    Source,
+    chunks,
+    read_photographs,
+    references_of,
+    render_sources,
+)
+from lrsr.recognition import Engine
+from lrsr.rendering.scene import Film
+from lrsr.sr.upscaler import Bicubic, Upscaler
+
+SHOWN = 6
+"""People on the contact sheet."""
+
+Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """All that one condition gives.
+
+    Attributes:
+        condition: The condition.
+        rows: A row a method, in the order asked for.
+        comparisons: Each method against the picture as it is and against its bicubic.
+        scores: By method.
+        pictures: The first people, by column: "Gallery", "Probe", each method's label,
+            "Reference"; each ``(n, 3, h, w)`` srgb; photographs of several sizes show none.
+        people: Who they are.
+    """
+
+    condition: Condition
+    rows: tuple[Row, ...]
+    comparisons: tuple[Comparison, ...]
+    scores: Mapping[str, CosineScores]
+    pictures: Mapping[str, torch.Tensor]
+    people: Sequence[str]
+
+
+class Trial:
+    """A verification experiment under way.
+
+    Args:
+        design: What is asked.
+        cache: Where renderings are kept.
+        engine: What recognises.
+        maker: Renders what the cache lacks; Mitsuba when None.
+        progress: Show bars while rendering.
+    """
+
+    def __init__(
+        self,
+        design: Design,
+        cache: RenderCache,
+        engine: Engine,
+        maker: Maker | None = None,
+        *,
+        progress: bool = True,
+    ) -> None:
+        self.design = design
+        self.engine = engine
+        self._rendered: dict[str, Any] = {"cache": cache, "maker": maker, "progress": progress}
+        scales = {upscaler.scale for upscaler in design.upscalers.values()}
+        self._scales = sorted(scales - {1})
+
+    def render(self) -> int:
+        """Render whatever the cache lacks; return how many pictures that were."""
+        sources = [self.gallery()]
+        for condition in self.design.conditions:
+            references = (self.references(condition, scale) for scale in self._scales)
+            sources += [self.probes(condition), *filter(None, references)]
+        return render_sources(sources)
+
+    def gallery(self) -> Source:
+        """Return everyone's enrolled picture."""
+        asked = self.design
+        if asked.gallery_folder is not None:
+            return read_photographs(asked.gallery_folder, "gallery")
+        return Rendered(asked.gallery.recipes(), asked.camera.clean(), **self._rendered)
+
+    def probes(self, condition: Condition) -> Source:
+        """Return the probes."""
+        asked = self.design
+        if asked.probes_folder is not None:
+            return read_photographs(asked.probes_folder, "probe")
+        camera = asked.camera.compressing(condition.compression)
+        return Rendered(self._sitting(condition).recipes(), camera, **self._rendered)
+
+    def references(self, condition: Condition, scale: int) -> Source | None:
+        """Return the true references of the probes; None: a folder has none."""
+        asked = self.design
+        if asked.probes_folder is not None:
+            return references_of(read_photographs(asked.probes_folder, "probe"), scale)
+        recipes = self._sitting(condition).recipes(scale)
+        return Rendered(recipes, asked.camera.clean(), **self._rendered)
+
+    def outcomes(self) -> Iterator[Outcome]:
+        """Score one condition after the other; what is not rendered yet is rendered."""
+        gallery = self.gallery()
+        as_it_is = Bicubic(1)
+        enrolled = np.concatenate(
+            [self._enlarge_and_embed(some, as_it_is)[0] for _, some in chunks(gallery)]
+        )
+        shown = gallery.load(0, min(SHOWN, len(gallery.identity_ids)))
+        for condition in self.design.conditions:
+            yield self._outcome(condition, gallery, enrolled, shown)
+
+    def _outcome(
+        self, condition: Condition, gallery: Source, enrolled: Floats, shown: Sequence[Picture]
+    ) -> Outcome:
+        probes, upscalers = self.probes(condition), self.design.upscalers
+        references = {scale: self.references(condition, scale) for scale in self._scales}
+        embedded: dict[str, list[Floats]] = {method: [] for method in upscalers}
+        decibels: dict[str, list[float]] = {method: [] for method in upscalers}
+        for place, some in chunks(probes):
+            true = {
+                scale: source.load(place.start, place.stop)
+                for scale, source in references.items()
+                if source is not None
+            }
+            for method, upscaler in upscalers.items():
+                rows, quality = self._enlarge_and_embed(some, upscaler, true.get(upscaler.scale))
+                embedded[method].append(rows)
+                decibels[method] += quality
+        ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
+        scores = {
+            method: CosineScores(np.concatenate(parts), enrolled, *ids)
+            for method, parts in embedded.items()
+        }
+        table, comparisons = evaluate(self.design, condition, scores, decibels)
+        pictures = self._pictures(probes, references, shown)
+        return Outcome(condition, table, comparisons, scores, pictures, ids[0][:SHOWN])
+
+    def _enlarge_and_embed(
+        self,
+        pictures: Sequence[Picture],
+        upscaler: Upscaler,
+        true: Sequence[Picture] | None = None,
+    ) -> tuple[Floats, list[float]]:
+        """Return embeddings ``(n, D)`` and, against true references, the PSNR of each in dB."""
+        alike: dict[tuple[int, ...], list[int]] = {}
+        for number, picture in enumerate(pictures):
+            alike.setdefault(tuple(picture.image.shape), []).append(number)
+        rows: dict[int, Floats] = {}
+        decibels: dict[int, float] = {}
+        for members in alike.values():
+            images, landmarks = stack([pictures[i] for i in members])
+            enlarged = upscaler(images)
+            points = scale_points(landmarks, upscaler.scale)
+            rows |= dict(zip(members, self.engine.embed(enlarged, points.numpy()), strict=True))
+            if true is not None:
+                references = stack([true[i] for i in members])[0]
+                each = psnr_y(enlarged.numpy(), references.numpy(), shave=upscaler.scale)
+                decibels |= dict(zip(members, each.tolist(), strict=True))
+        order = range(len(pictures))
+        return np.stack([rows[i] for i in order]), [decibels[i] for i in order if decibels]
+
+    def _pictures(
+        self,
+        probes: Source,
+        references: Mapping[int, Source | None],
+        enrolled: Sequence[Picture],
+    ) -> dict[str, torch.Tensor]:
+        """Return the columns of the contact sheet; none where sizes differ."""
+        first = probes.load(0, min(SHOWN, len(probes.identity_ids)))
+        finest = references[self._scales[-1]] if self._scales else None
+        true = [] if finest is None else finest.load(0, len(first))
+        by_id = {picture.identity_id: picture for picture in enrolled}
+        beside = [by_id[one.identity_id] for one in first if one.identity_id in by_id]
+        if len({picture.image.shape for picture in first}) > 1 or len(beside) < len(first):
+            return {}
+        if len({picture.image.shape for picture in beside}) > 1:
+            return {}
+        images = stack(first)[0]
+        columns = {"Gallery": stack(beside)[0], "Probe": images}
+        for upscaler in self.design.upscalers.values():
+            if upscaler.scale > 1:
+                columns[upscaler.label] = upscaler(images)
+        return {**columns, "Reference": stack(true)[0]} if true else columns
+
+    def _sitting(self, condition: Condition) -> Sitting:
+        asked = self.design
+        if condition.scene is None or condition.ipd_px is None:
+            raise RuntimeError("photographs are not rendered")
+        return Sitting(
+            people=asked.people,
+            scene=condition.scene,
+            film=Film(condition.ipd_px),
+            quality=asked.quality.at(condition.ipd_px),
+            seed=asked.seed,
+        )

@@ -1,0 +1,145 @@
+"""Where do an experiment's pictures come from? From people to be rendered, or from a folder."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+from lrsr.camera import Camera
+from lrsr.errors import InputError
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.folder import Entry, read_folder, read_picture
+from lrsr.pictures.maker import Maker
+from lrsr.pictures.picture import Picture
+from lrsr.pictures.recipe import Recipe
+from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
+
+
+class Source(Protocol):
+    """Pictures in an order that does not change, a few in memory at a time."""
+
+    @property
+    def identity_ids(self) -> Sequence[str]:
+        """Who each picture shows."""
+
+    def load(self, start: int, stop: int) -> list[Picture]:
+        """Return the pictures ``start`` to ``stop - 1``."""
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """Pictures of people who are rendered where the cache lacks them.
+
+    Attributes:
+        recipes: What is shown.
+        camera: Takes the pictures.
+        cache: Where renderings are kept.
+        maker: Renders what is missing; Mitsuba when None.
+        progress: Show bars.
+    """
+
+    recipes: Sequence[Recipe]
+    camera: Camera
+    cache: RenderCache
+    maker: Maker | None = None
+    progress: bool = True
+
+    @property
+    def identity_ids(self) -> Sequence[str]:
+        """Who each picture shows."""
+        return [recipe.person.id for recipe in self.recipes]
+
+    def load(self, start: int, stop: int) -> list[Picture]:
+        """Return the pictures ``start`` to ``stop - 1``; what is not rendered yet is rendered.
+
+        Raises:
+            InputError: The cache cannot be read or written.
+        """
+        part = self.recipes[start:stop]
+        return take_pictures(
+            part, self.cache, self.camera, progress=self.progress, maker=self.maker
+        )
+
+
+@dataclass(frozen=True)
+class Photographs:
+    """Pictures of a folder; see :mod:`lrsr.pictures.folder`.
+
+    Attributes:
+        root: The folder.
+        entries: Which of its pictures, in order.
+    """
+
+    root: Path
+    entries: Sequence[Entry] = field(default_factory=tuple)
+
+    @property
+    def identity_ids(self) -> Sequence[str]:
+        """Who each picture shows."""
+        return [entry.identity_id for entry in self.entries]
+
+    def load(self, start: int, stop: int) -> list[Picture]:
+        """Read the pictures ``start`` to ``stop - 1``.
+
+        Raises:
+            InputError: One cannot be read.
+        """
+        return [read_picture(self.root, entry) for entry in self.entries[start:stop]]
+
+
+def read_photographs(root: Path, kind: str, scale: int = 1) -> Photographs:
+    """Find the pictures of a folder that can be probes, or a gallery.
+
+    Args:
+        root: Any folder of pictures.
+        kind: "probe" or "gallery": pictures of the other kind are left out, if the manifest says.
+        scale: How many times finer than the ×1 film: 1 are the pictures themselves, 2 and 4 the
+            true references that ``lrsr render`` writes beside them.
+
+    Raises:
+        InputError: There is no such folder, or no such picture in it.
+    """
+    chosen = [
+        entry for entry in read_folder(root) if entry.kind in ("", kind) and entry.scale == scale
+    ]
+    if not chosen and scale == 1:
+        raise InputError(f"{root} holds no pictures of the kind {kind}: give another folder")
+    return Photographs(root, chosen)
+
+
+def references_of(probes: Photographs, scale: int) -> Photographs | None:
+    """Find the true reference of every probe of a folder; None if one is missing.
+
+    It shows the same person in the same pose and light, on a film ``scale`` times finer.
+    """
+    found = read_photographs(probes.root, "probe", scale)
+    seen = {_scene(entry): entry for entry in found.entries}
+    if not all(_scene(entry) in seen for entry in probes.entries):
+        return None
+    return Photographs(probes.root, [seen[_scene(entry)] for entry in probes.entries])
+
+
+def _scene(entry: Entry) -> tuple[object, ...]:
+    where = (entry.pose, entry.yaw_deg, entry.pitch_deg, entry.roll_deg, entry.lighting)
+    return (entry.identity_id, *where, entry.ipd_px, entry.expression, entry.lens, entry.run_seed)
+
+
+def chunks(source: Source) -> Iterator[tuple[slice, list[Picture]]]:
+    """Yield the pictures of a source a few at a time, with their places."""
+    for start in range(0, len(source.identity_ids), CHUNK):
+        stop = min(start + CHUNK, len(source.identity_ids))
+        yield slice(start, stop), source.load(start, stop)
+
+
+def render_sources(sources: Sequence[Source]) -> int:
+    """Render whatever the caches of all sources lack, under one bar; return how many pictures.
+
+    Raises:
+        InputError: A cache cannot be written.
+    """
+    rendered = [source for source in sources if isinstance(source, Rendered)]
+    if not rendered:
+        return 0
+    first = rendered[0]
+    films = [filmed(r, source.camera) for source in rendered for r in source.recipes]
+    return render_missing(films, first.cache, progress=first.progress, maker=first.maker)
