@@ -207,9 +207,11 @@ def build(node: Any, name: str, **more: Any) -> Any:
     from hydra.utils import instantiate
 
     try:
-        return instantiate(node, **more)
-    except InstantiationException as error:
-        cause = error.__cause__
+        if not more:
+            return instantiate(node)
+        return instantiate(node, _partial_=True)(**more)  # Hydra itself would turn them into nodes
+    except (InstantiationException, TypeError) as error:
+        cause = error.__cause__ if isinstance(error, InstantiationException) else error
         if isinstance(cause, InputError):
             raise cause from None
         if isinstance(cause, TypeError) and "argument" in str(cause):

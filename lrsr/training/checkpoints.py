@@ -7,15 +7,15 @@ both load with ``weights_only=True``, and both are replaced whole or not at all.
 import io
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import torch
 from lightning.pytorch import LightningModule, Trainer, seed_everything
 from lightning.pytorch.callbacks import Checkpoint
 from lightning.pytorch.plugins.io import TorchCheckpointIO
 
-from lrsr.pictures.recipe import derived_seed
 from lrsr.files import write_bytes, write_json
+from lrsr.pictures.recipe import derived_seed
 from lrsr.sr.weights import read_checkpoint
 from lrsr.training.learner import Learner
 
@@ -66,7 +66,7 @@ class Keeper(Checkpoint):
     def on_train_batch_start(
         self, trainer: Trainer, pl_module: LightningModule, batch: Any, batch_idx: int
     ) -> None:
-        """Begin an epoch as every run does, also where Lightning leaves on_train_epoch_start out."""
+        """Begin an epoch alike in every run; going on, there is no on_train_epoch_start."""
         if batch_idx == 0:
             of_epoch = derived_seed(self.seed, "training", trainer.current_epoch)
             seed_everything(of_epoch, workers=True, verbose=False)
@@ -83,15 +83,14 @@ class Keeper(Checkpoint):
         Raises:
             InputError: The folder cannot be written or the disk is full.
         """
-        if not isinstance(pl_module, Learner):
-            raise TypeError(f"{type(pl_module).__name__} is no Learner")
+        learner = cast("Learner", pl_module)
         figures = {name: float(value) for name, value in trainer.callback_metrics.items()}
-        names = ["best", "last"] if pl_module.is_best(figures) else ["last"]
+        names = ["best", "last"] if learner.is_best(figures) else ["last"]
         epoch = {"epoch": trainer.current_epoch, "step": trainer.global_step}
-        pl_module.history.append(epoch | figures)
+        learner.history.append(epoch | figures)
         for name in names:
             trainer.save_checkpoint(self.folder / f"{name}.ckpt")
-        self.tell(pl_module.history)
+        self.tell(learner.history)
 
     def tell(self, history: list[dict[str, float]]) -> None:
         """Write how far the run is.

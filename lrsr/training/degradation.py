@@ -13,8 +13,8 @@ import torch.nn.functional as F
 from numpy.typing import NDArray
 
 from lrsr.camera.codec import jpeg
-from lrsr.recognition.alignment import CROP_PX, TEMPLATE_PX, warp
 from lrsr.images import resize_bicubic
+from lrsr.recognition.alignment import CROP_PX, TEMPLATE_PX, warp
 
 TEMPLATE_IPD_PX = float(np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0]))
 """Distance of the eyes in the aligned face: 35.24 px."""

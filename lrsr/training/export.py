@@ -1,4 +1,4 @@
-"""What leaves the house? A network as an ONNX file that any runtime takes, once it agrees with torch."""
+"""What leaves the house? A network as an ONNX file for any runtime, once it agrees with torch."""
 
 import logging
 import math

@@ -1,8 +1,8 @@
-"""How does a network learn to tell people apart? By an angular margin; validated by verification."""
+"""How does a network learn to tell people apart? By an angular margin, judged by verification."""
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from lrsr.errors import InputError
 from lrsr.evaluation.delong import estimate_auc
 from lrsr.files import write_text
+from lrsr.onnx import contract_path, sha256_of
 from lrsr.pictures.recipe import derived_seed
 from lrsr.recognition.alignment import CROP_PX
-from lrsr.recognition.contract import Contract, contract_path, sha256_of, write_contract
+from lrsr.recognition.contract import Contract, write_contract
 from lrsr.recognition.embedding import Embedder
 from lrsr.sr.weights import read_checkpoint
 from lrsr.training.backbone import DIMENSION, Backbone
@@ -144,7 +145,7 @@ class Identification(Learner):
         return {"model_sha256": contract.sha256, "onnx": self._measured(Embedder(model))}
 
     def _measured(self, embedder: Embedder) -> dict[str, float]:
-        sets = self.trainer.datamodule.val_dataloader()
+        sets = cast("Any", self.trainer).datamodule.val_dataloader()
         embedded = {name: embedder(crops.float() / 255) for name, crops in sets}
         return {f"val/{name}": auc for name, auc in verification_aucs(embedded).items()}
 

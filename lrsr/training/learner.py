@@ -1,9 +1,10 @@
-"""What must a network say so that the one run can train it? A loss, a figure, and what it leaves."""
+"""What must a network say so that the one run can train it? A loss, a figure, what it leaves."""
 
 import inspect
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -13,8 +14,8 @@ from lightning.pytorch.utilities.types import OptimizerLRScheduler
 
 from lrsr.errors import InputError, NonFiniteError
 
-MakeOptimizer = Callable[..., torch.optim.Optimizer]
-MakeScheduler = Callable[..., torch.optim.lr_scheduler.LRScheduler]
+MakeOptimizer = partial[torch.optim.Optimizer]
+MakeScheduler = partial[torch.optim.lr_scheduler.LRScheduler]
 
 
 class Learner(LightningModule):
@@ -119,7 +120,7 @@ class Learner(LightningModule):
 
 def _culprit(batch: Any) -> str:
     for name, images in zip(("input", "target"), batch, strict=False):
-        bad = (~torch.isfinite(images)).flatten(1).any(1).nonzero() if images.ndim > 1 else []
-        if len(bad):
-            return f"the {name} of patch {int(bad[0])} of the batch is not finite"
+        bad = (~torch.isfinite(images)).reshape(len(images), -1).any(1).nonzero().flatten().tolist()
+        if bad:
+            return f"the {name} of patch {bad[0]} of the batch is not finite"
     return "the patches are finite, so the weights diverged; lower the learning rate"

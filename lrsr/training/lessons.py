@@ -1,10 +1,10 @@
 """What is to be learned, by the configuration? Names become values and people here."""
 
-from pathlib import Path
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from lrsr.configuration import as_number, build, require, value_of
-from lrsr.identities.roster import IdentityRange
+from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.sitting import read_people, read_quality
 from lrsr.training.rendered import Rendered
 
@@ -20,14 +20,14 @@ _GROUPS = {
 }
 
 
-def read_lessons(config: "DictConfig", cache: Path) -> Rendered:
+def read_lessons(config: "DictConfig", cache: RenderCache) -> Rendered:
     """Read what is rendered to train and to validate; see ``conf/data``.
 
     Validation people are drawn from the same population as those to learn, at least two.
 
     Args:
         config: Of ``lrsr train``.
-        cache: Folder of the render cache.
+        cache: Of renderings.
 
     Raises:
         InputError: A value is wrong, or the people are not of the split "train".
@@ -39,15 +39,12 @@ def read_lessons(config: "DictConfig", cache: Path) -> Rendered:
     given: Any = OmegaConf.to_container(config.data, resolve=True)
     share = as_number(given.pop("validation_fraction"), "data.validation_fraction")
     require(0 < share <= 10, "data.validation_fraction", share, "a number > 0 and <= 10")
-    named: dict[str, Any] = {}
-    for name in _GROUPS.keys() & given.keys():
-        value, group = given.pop(name), _GROUPS[name]
-        many = isinstance(value, list)
-        named[name] = [value_of(group, one) for one in value] if many else value_of(group, value)
-    lessons: Rendered = build({**given, "_convert_": "all"}, "data")(
-        people.people(),
-        _validating(people, round(share * people.count)),
-        **named,
+    others = range(max(2, round(share * people.count)))
+    lessons: Rendered = _built(
+        given,
+        "data",
+        people=people.people(),
+        validation_people=[people.cast.person("validation", index) for index in others],
         lens=value_of("lens", config.lens),
         standpoint=value_of("standpoint", config.standpoint),
         quality=read_quality(config),
@@ -57,5 +54,13 @@ def read_lessons(config: "DictConfig", cache: Path) -> Rendered:
     return lessons
 
 
-def _validating(people: IdentityRange, count: int) -> list[Any]:
-    return [people.cast.person("validation", index) for index in range(max(2, count))]
+def _built(node: Mapping[str, Any], name: str, **more: Any) -> Any:
+    values = {key: _value(key, value) for key, value in node.items() if key != "_target_"}
+    return build({"_target_": node["_target_"]}, name, **values, **more)
+
+
+def _value(key: str, given: Any) -> Any:
+    if key in _GROUPS:
+        many = isinstance(given, list)
+        return [_value(key, one) for one in given] if many else value_of(_GROUPS[key], given)
+    return _built(given, f"data.{key}") if isinstance(given, Mapping) else given

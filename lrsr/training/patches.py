@@ -67,7 +67,7 @@ class LuminancePatches:
         return -(-self.patch_px // scale)
 
     def cut(self, lr_srgb: torch.Tensor, hr_srgb: torch.Tensor) -> Pair:
-        """Return ``(N, 1, patch_px, patch_px)`` and ``(N, 1, label_px, label_px)``; see the base."""
+        """Return ``(N, 1, patch_px, patch_px)`` and ``(N, 1, label_px, label_px)``."""
         scale = _scale_of(lr_srgb, hr_srgb)
         inputs, targets = resize_bicubic(luminance(lr_srgb), scale), luminance(hr_srgb)
         margin = (self.patch_px - self.label_px) // 2

@@ -1,7 +1,7 @@
 """What does one see while a network trains? One bar on stderr, and one line an epoch."""
 
 import sys
-from typing import Any
+from typing import Any, cast
 
 from lightning.pytorch import Callback, LightningModule, Trainer
 from tqdm import tqdm
@@ -33,12 +33,11 @@ class Progress(Callback):
 
     def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Say what the epoch brought."""
-        if not isinstance(pl_module, Learner):
-            raise TypeError(f"{type(pl_module).__name__} is no Learner")
+        learner = cast("Learner", pl_module)
         figures = {name: float(value) for name, value in trainer.callback_metrics.items()}
-        mark = " (best so far)" if pl_module.is_best(figures) else ""
+        mark = " (best so far)" if learner.is_best(figures) else ""
         done = f"epoch {trainer.current_epoch + 1}/{trainer.max_epochs}"
-        tqdm.write(f"{done}: {pl_module.in_words(figures)}{mark}", file=sys.stderr)
+        tqdm.write(f"{done}: {learner.in_words(figures)}{mark}", file=sys.stderr)
 
     def teardown(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
         """Close the bar."""

@@ -3,7 +3,7 @@
 import hashlib
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any
 
 from lightning.pytorch import LightningDataModule
@@ -11,58 +11,63 @@ from lightning.pytorch import LightningDataModule
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.identities.person import Person
-from lrsr.paths import cache_folder
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker, mitsuba_maker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
+from lrsr.rendering.lens import Lens
+from lrsr.rendering.scene import Quality
+from lrsr.rendering.standpoint import Standpoint
 
 
+@dataclass(kw_only=True, eq=False)
 class Rendered(LightningDataModule):
     """Pictures of people to learn from and of others, who share nothing with them, to validate on.
 
-    Args:
+    Attributes:
         people: Who is learned from.
         validation_people: Who chooses the best epoch.
-        cache: Folder of the render cache; None: the user's.
+        lens: Of every picture.
+        standpoint: Of every picture.
+        quality: Of the renderings.
+        camera: Takes the pictures; its own compression is not used.
+        cache: Of renderings.
+        batch_size: What is shown in a step.
+        seed: All that is drawn follows from it, any whole number.
+        maker: Builds and renders.
         progress: Show a bar while rendering.
-        maker: Builds and renders; Mitsuba when None.
 
     Raises:
         InputError: Somebody is in both, or there is nobody to learn from.
     """
 
-    def __init__(
-        self,
-        people: Sequence[Person],
-        validation_people: Sequence[Person],
-        *,
-        cache: Path | None,
-        progress: bool,
-        maker: Maker | None,
-    ) -> None:
+    people: Sequence[Person]
+    validation_people: Sequence[Person]
+    lens: Lens
+    standpoint: Standpoint
+    quality: Quality
+    camera: Camera
+    cache: RenderCache
+    batch_size: int
+    seed: int
+    maker: Maker = field(default_factory=mitsuba_maker)
+    progress: bool = True
+
+    def __post_init__(self) -> None:
         super().__init__()
-        self.people, self.validation_people = list(people), list(validation_people)
         if not self.people:
             raise InputError("identities.count=0: wanted somebody to learn from")
-        if both := {person.id for person in people} & {person.id for person in validation_people}:
+        known = {person.id for person in self.people}
+        if both := known & {person.id for person in self.validation_people}:
             raise InputError(f"{min(both)} is to be learned and to validate: choose others")
-        self.cache = RenderCache(cache or cache_folder())
-        self.progress, self._maker = progress, maker
-
-    @property
-    def maker(self) -> Maker:
-        """Who builds and renders."""
-        self._maker = self._maker or mitsuba_maker()
-        return self._maker
 
     @abstractmethod
     def shots(self) -> Iterator[tuple[Recipe, Camera]]:
         """Yield every picture that is needed and who takes it."""
 
     def about(self) -> dict[str, Any]:
-        """Return what all of it depends on, in plain values: who, how it is made, and which keys."""
+        """Return what all of it depends on, in plain values: who, how it is made, which keys."""
         versions = self.maker.versions
         keys = [self.cache.key(filmed(*shot), versions) for shot in self.shots()]
         return {
@@ -84,10 +89,7 @@ class Rendered(LightningDataModule):
     def taken(self, recipes: Sequence[Recipe], camera: Camera) -> Iterator[Picture]:
         """Yield the pictures a few at a time: as floats they would not all fit in memory."""
         for start in range(0, len(recipes), CHUNK):
+            chunk = recipes[start : start + CHUNK]
             yield from take_pictures(
-                recipes[start : start + CHUNK],
-                self.cache,
-                camera,
-                maker=self.maker,
-                progress=self.progress,
+                chunk, self.cache, camera, maker=self.maker, progress=self.progress
             )

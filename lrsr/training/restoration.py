@@ -1,4 +1,4 @@
-"""How does any super-resolution network learn? From pairs, by a pixel loss, judged as it is used."""
+"""How does any super-resolution network learn? From pairs, by a pixel loss; judged in use."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
@@ -119,7 +119,7 @@ class Restoration(Learner):
             used = kind(**{**self.card.arguments, **kind.in_use})
         used.load_state_dict(self.network.state_dict())
         wrapper = Luminance if kind.input == "luminance" else Rgb
-        self._upscaler = wrapper(used.eval(), self.card.scale)
+        self._upscaler = wrapper(used.eval(), self.card, device=str(self.device))
 
     def validation_step(self, batch: Pair, batch_idx: int) -> None:
         """Log PSNR and the gain over bicubic, both on luminance, means over images.

@@ -69,9 +69,9 @@ def refuse_other_run(folder: Path, depends_on: Mapping[str, Any]) -> None:
         old, new = before.get(name, missing), now.get(name, missing)
         if old != new:
             raise InputError(
-                f"{source} was trained with {name}={_short(old)}, this run has {name}={_short(new)}:"
-                " choose another folder with paths.run=..., the same setting, or resume=false to"
-                " begin again"
+                f"{source} was trained with {name}={_short(old)}, this run has"
+                f" {name}={_short(new)}: choose another folder with"
+                " paths.run=..., the same setting, or resume=false to begin again"
             )
 
 

@@ -1,7 +1,7 @@
 """How is a network trained? One run, the same for all: go on or begin, fit, ship the best epoch.
 
 ``train`` is what ``lrsr train`` calls. A run folder holds ``last.ckpt`` (to go on from),
-``best.ckpt``, ``metrics.json``, the logger's files and what the network ships (``model.onnx``, ...).
+``best.ckpt``, ``metrics.json``, the logger's files and what the network ships.
 """
 
 import errno
@@ -120,6 +120,7 @@ def _fit(runner: Trainer, module: Learner, data: LightningDataModule, last: Path
 
     Raises:
         InputError: The disk is full, whoever wrote.
+        OSError: Something else could not be read or written.
         KeyboardInterrupt: The user stopped the run.
     """
     handler = signal.getsignal(signal.SIGINT)
