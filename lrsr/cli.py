@@ -1,25 +1,35 @@
 """What does ``lrsr COMMAND [key=value ...]`` do, and how does it end?
 
-Exit status: 0 done, 2 the user's input was wrong (one line on stderr), 1 a fault of ours, 130
-interrupted. ``--debug`` anywhere on the line shows the traceback instead of the line.
+Exit status: 0 done, 2 the user's input was wrong or the machine refuses (one line on stderr), 1 a
+fault of ours, 130 interrupted, 143 told to stop (SIGTERM). ``--debug`` anywhere on the line shows
+the traceback instead of the line.
+
+A camera's file may come from anybody and is checked. What else Hydra takes from the line, such as
+``--config-dir``, ``--config-path`` (absolute) or ``hydra.*``, can run anything, as its user can.
 """
 
 import importlib
 import logging
 import os
 import re
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
+from io import TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from types import FrameType
+from typing import TYPE_CHECKING, Any, Never, TextIO
 
 from lrsr import __version__
 from lrsr.errors import InputError
-from lrsr.paths import config_folder
+from lrsr.failures import explain
+from lrsr.overrides import Overrides, pieces_of
+from lrsr.paths import config_folder, prepare_home, user_path
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -31,11 +41,11 @@ class Command:
 
     Attributes:
         does: One line for the help page.
-        task: ``module:function`` that takes the composed configuration; None: a later version.
+        task: ``module:function`` that takes the composed configuration and returns a folder.
     """
 
     does: str
-    task: str | None = None
+    task: str
 
 
 COMMANDS = {
@@ -49,7 +59,6 @@ COMMANDS = {
     "fit-camera": Command(
         "a camera preset from real pictures in images=DIR", "lrsr.tasks:run_fit_camera"
     ),
-    "models": Command("list, verify and pull weights (not in this version)"),
 }
 
 USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
@@ -69,9 +78,8 @@ examples:
   lrsr render camera=runs/fit-camera/.../lobby.yaml out=probes
 
 lrsr COMMAND --help lists what can be overridden; lrsr COMMAND --cfg job prints the configuration.
+Values need no quotes but the shell's: out='my probes (1)'. With --multirun a comma parts values.
 """
-
-logger = logging.getLogger(__name__)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -80,81 +88,166 @@ def main(argv: Sequence[str] | None = None) -> int:
     Args:
         argv: The words after ``lrsr``; ``sys.argv[1:]`` when None.
     """
+    if argv is None:
+        _open_streams()
     words = list(sys.argv[1:] if argv is None else argv)
     debug = "--debug" in words
     words = [word for word in words if word != "--debug"]
-    if not words or words[0] in {"-h", "--help"}:
-        sys.stdout.write(USAGE)
-        return 0
-    if words[0] in {"-V", "--version"}:
-        sys.stdout.write(f"lrsr {__version__}\n")
-        return 0
-    logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(name)s: %(message)s")
+    with _signals() as received:
+        try:
+            return _ended(words, debug)
+        except KeyboardInterrupt:
+            number = received[0] if received else signal.SIGINT
+            verb = "interrupted" if number == signal.SIGINT else "stopped"
+            _tell(f"{verb}; run the same command again to go on")
+            return 128 + number
+        finally:
+            try:
+                sys.stdout.flush()
+            except (OSError, ValueError):
+                _give_up(sys.stdout)
+
+
+def _ended(words: list[str], debug: bool) -> int:
     try:
-        _run(words[0], words[1:])
-    except KeyboardInterrupt:
-        sys.stderr.write("lrsr: interrupted; run the same command again to go on\n")
-        return 130
+        _run_or_help(words)
+        sys.stdout.flush()
     except BrokenPipeError:  # the reader of a pipe, such as `head`, has had enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _give_up(sys.stdout)
         return 141
     except SystemExit as stop:  # argparse, inside Hydra
         return stop.code if isinstance(stop.code, int) else 2
     except Exception as error:
         if debug:
             raise
-        return _explain(error)
+        status, lines = explain(error, words)
+        _tell(*lines)
+        return status
     return 0
 
 
-def _run(name: str, overrides: list[str]) -> None:
+def _run_or_help(words: list[str]) -> None:
+    if words[:1] == ["help"]:
+        words = [*words[1:], "--help"]
+    if {"-V", "--version"} & set(words):
+        sys.stdout.write(f"lrsr {__version__}\n")
+    elif not words or words[0] in {"-h", "--help"}:
+        sys.stdout.write(USAGE)
+    else:
+        logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(name)s: %(message)s")
+        _run(words[0], words[1:])
+
+
+def _run(name: str, words: list[str]) -> None:
     if name not in COMMANDS:
         near = get_close_matches(name, COMMANDS, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"choose one of {', '.join(COMMANDS)}"
         raise InputError(f"no command {name!r}: {hint}")
-    command = COMMANDS[name]
-    if command.task is None:
-        raise InputError(f"lrsr {name} is not in version {__version__}: it comes with a later one")
-    folder = config_folder()
+    _check_working_folder()
+    prepare_home()
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach `main`, which says them in one line
-    import hydra  # a quarter of a second that `lrsr --help` need not pay
+    from hydra import version  # a quarter of a second that `lrsr --help` need not pay
+    from hydra._internal.utils import _run_hydra, get_args_parser
 
-    arguments = sys.argv
-    sys.argv = [f"lrsr {name}", *overrides]
+    parser = get_args_parser()
+    parser.error = _refuse_option  # type: ignore[method-assign]
+    args = parser.parse_intermixed_args(words)
+    asked = [option for option in ("cfg", "info", "multirun", "run") if getattr(args, option)]
+    if len(asked) > 1:
+        _refuse_option(f"--{asked[0]} and --{asked[1]} exclude each other")
+    if args.experimental_rerun or (args.resolve and not (args.cfg or args.help)):
+        _refuse_option("--experimental-rerun is not for lrsr, and --resolve goes with --cfg")
+    version.setbase("1.3")
     failures: list[Exception] = []
-    task = _task(command.task, failures)
-    try:
-        with _given_camera(overrides) as words:
-            sys.argv[1:] = words
-            hydra.main(version_base="1.3", config_path=str(folder), config_name=name)(task)()
-    finally:
-        sys.argv = arguments
-    if failures:
+    with _mended(args, name) as overrides:
+        args.overrides = overrides
+        _run_hydra(
+            args=args,
+            args_parser=parser,
+            task_function=_task(COMMANDS[name].task, failures),
+            config_path=args.config_path,
+            config_name=name,
+        )
+    if len(failures) == 1:
         raise failures[0]
+    if failures:
+        raise ExceptionGroup("several runs failed", failures)
+
+
+def _refuse_option(message: str) -> Never:
+    raise InputError(f"{message}: settings are written key=value; lrsr COMMAND --help lists them")
+
+
+def _check_working_folder() -> None:
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        raise InputError("the working folder was removed: go to another one") from None
 
 
 @contextmanager
-def _given_camera(overrides: list[str]) -> Iterator[list[str]]:
-    """Let ``camera=PATH.yaml`` name a file: it becomes an option of the group for this run.
+def _mended(args: Any, name: str) -> Iterator[list[str]]:
+    """Give the overrides as Hydra reads what was meant, and it a folder for what it writes.
+
+    That is multirun.yaml and an empty folder for each job: the runs' own say more.
 
     Raises:
-        InputError: There is no such file.
+        InputError: A word cannot be read, or a folder or a camera's file does not exist.
     """
-    paths = [word.removeprefix("camera=") for word in overrides if _CAMERA_FILE.fullmatch(word)]
-    if not paths:
-        yield overrides
+    main = args.config_path = _given_folder("config-path", args.config_path) or str(config_folder())
+    extra = args.config_dir = _given_folder("config-dir", args.config_dir)
+    sweep = args.multirun or "hydra.mode=MULTIRUN" in args.overrides
+    folders = [Path(folder) for folder in (main, extra) if folder]
+    if not sweep and not any(map(_CAMERA.match, args.overrides)):
+        yield Overrides(args.config_name or name, folders).mended(args.overrides)
         return
-    path = Path(paths[-1]).expanduser()
+    with TemporaryDirectory() as scratch:
+        words = [_with_given_cameras(word, Path(scratch), sweep) for word in args.overrides]
+        overrides = Overrides(args.config_name or name, [*folders, Path(scratch)], sweep)
+        ours = [f'hydra.sweep.dir="{scratch}"', f'hydra.searchpath=["file://{scratch}"]']
+        yield [*ours, *overrides.mended(words)]
+
+
+def _given_folder(option: str, text: str | None) -> str | None:
+    if text is None:
+        return None
+    path = user_path(text)
+    if not path.is_dir():
+        raise InputError(f"--{option} {text}: no such folder")
+    return str(path)
+
+
+_CAMERA = re.compile(r"(\+{0,2}camera=)(.*)", re.DOTALL)
+
+
+def _with_given_cameras(word: str, scratch: Path, sweep: bool) -> str:
+    """Let ``camera=PATH.yaml`` name a file: it becomes an option of the group for this run."""
+    found = _CAMERA.fullmatch(word)
+    if found is None:
+        return word
+    pieces = [_given_camera(piece, scratch) for piece in pieces_of(found[2], sweep)]
+    return found[1] + ",".join(pieces)
+
+
+def _given_camera(text: str, scratch: Path) -> str:
+    """Return the option for a file; a preset's name is returned as it is.
+
+    Raises:
+        InputError: There is no such file, or it is no camera.
+    """
+    text = text[1:-1] if text[:1] in {'"', "'"} and text[-1:] == text[:1] else text
+    if os.sep not in text and not text.lower().endswith((".yaml", ".yml")):
+        return text
+    path = user_path(text)
     if not path.is_file():
-        raise InputError(f"camera={path}: no such file; give a preset's name or its .yaml file")
+        is_what = "a folder" if path.is_dir() else "no such file"
+        raise InputError(f"camera={text}: {is_what}; give a preset's name or its .yaml file")
     _check_targets(path)
-    with TemporaryDirectory() as folder:
-        option = Path(folder) / "camera" / "given_file.yaml"  # no shipped preset's name
-        option.parent.mkdir()
-        option.write_bytes(path.read_bytes())
-        # In its place: Hydra's parser wants all overrides side by side.
-        words = [_CAMERA_FILE.sub("camera=given_file", word) for word in overrides]
-        yield [*words, "--config-dir", folder]
+    folder = scratch / "camera"
+    folder.mkdir(exist_ok=True)
+    option = f"given_file_{len(list(folder.iterdir()))}"  # no shipped preset's name
+    (folder / f"{option}.yaml").write_bytes(path.read_bytes())
+    return option
 
 
 def _check_targets(path: Path) -> None:
@@ -184,9 +277,6 @@ def _check_targets(path: Path) -> None:
             raise InputError(f"camera={path}: {node!r} is computed; write the value itself")
 
 
-_CAMERA_FILE = re.compile(r"camera=.+\.ya?ml")
-
-
 def _task(path: str, failures: list[Exception]) -> "Callable[[DictConfig], None]":
     """Wrap a task for Hydra, which would print a line of its own about what it lets through.
 
@@ -195,46 +285,69 @@ def _task(path: str, failures: list[Exception]) -> "Callable[[DictConfig], None]
     module, function = path.split(":")
 
     def run(config: "DictConfig") -> None:
-        task: Callable[[DictConfig], Path] = getattr(importlib.import_module(module), function)
         try:
-            sys.stdout.write(f"{task(config)}\n")
+            task: Callable[[DictConfig], Path] = getattr(importlib.import_module(module), function)
+            _say(task(config))
         except Exception as error:
             failures.append(error)
 
     return run
 
 
-def _explain(error: BaseException) -> int:
-    """Say what went wrong in one line on stderr; return 2 for the user's input, 1 for ours."""
-    from hydra.errors import HydraException  # a quarter of a second, only on the way out
-    from omegaconf.errors import (
-        InterpolationToMissingValueError,
-        MissingMandatoryValue,
-        OmegaConfBaseException,
-    )
-
-    cause: BaseException | None = error
-    while cause is not None and not isinstance(cause, InputError):
-        cause = cause.__cause__
-    if cause is not None:
-        sys.stderr.write(f"lrsr: {_one_line(cause)}\n")
-        return 2
-    if isinstance(error, MissingMandatoryValue | InterpolationToMissingValueError):
-        key = _one_line(error).rsplit(": ", maxsplit=1)[-1]
-        sys.stderr.write(f"lrsr: {key} must be given: add {key}=...\n")
-        return 2
-    if isinstance(error, HydraException | OmegaConfBaseException):
-        sys.stderr.write(f"lrsr: {_one_line(error)} (--cfg job prints every setting)\n")
-        return 2
-    sys.stderr.write(
-        f"lrsr: a fault of ours: {type(error).__name__}: {_one_line(error)}"
-        " (the same command with --debug shows where)\n"
-    )
-    return 1
+def _say(folder: Path) -> None:
+    """Print where the result is; if nobody can read that, the work is done all the same."""
+    try:
+        sys.stdout.write(f"{folder}\n")
+        sys.stdout.flush()
+    except (OSError, ValueError) as error:  # a full disk, no reader, or letters it cannot show
+        _give_up(sys.stdout)
+        _tell(f"done: {folder} (standard output: {error})")
 
 
-def _one_line(error: BaseException) -> str:
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    if "Config search path:" in lines:  # Hydra's own folders help nobody
-        lines = lines[: lines.index("Config search path:")]
-    return "; ".join(line for line in lines if not line.startswith(("full_key", "object_type")))
+def _tell(*lines: str) -> None:
+    with suppress(OSError, ValueError):
+        sys.stderr.write("".join(f"lrsr: {line}\n" for line in lines))
+        sys.stderr.flush()
+
+
+def _give_up(stream: TextIO) -> None:
+    """Send what is still written there to nowhere, so that Python's exit does not fail on it."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _open_streams() -> None:
+    """Open closed standard streams, whose numbers data files would get; let all show any letter."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the lowest free number
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(number, "w" if number else "r", closefd=False))
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+@contextmanager
+def _signals() -> Iterator[list[int]]:
+    """Let SIGTERM end the work as Ctrl-C does, everything tidied up; give what was received."""
+    received: list[int] = []
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        received.append(number)
+        raise KeyboardInterrupt
+
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {number: signal.getsignal(number) for number in numbers}
+    before = {k: old for k, old in before.items() if old not in {None, signal.SIG_IGN}}
+    if threading.current_thread() is not threading.main_thread():
+        before = {}
+    for number in before:
+        signal.signal(number, stop)
+    try:
+        yield received
+    finally:
+        for number, old in before.items():
+            signal.signal(number, old)

@@ -1,18 +1,47 @@
 """How does a composed configuration become typed values, with an error that names the setting?"""
 
 import math
-from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from datetime import datetime
 from numbers import Integral, Real
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from lrsr.errors import InputError
-from lrsr.paths import config_folder
+from lrsr.files import claim, fresh_folder, make_folder
+from lrsr.paths import user_path
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 Schema = TypeVar("Schema")
+
+LARGEST_SEED = 2**32 - 1
+
+
+@contextmanager
+def run_folder(config: "DictConfig") -> Iterator[Path]:
+    """Make the folder of this run and keep it to this process until the block ends.
+
+    It is ``paths.run``, usable again to go on, with the job's number below it in a multirun; where
+    that is null, a fresh one: ``RUNS/COMMAND/DATE_TIME``, with -2, -3 ... if that is taken.
+
+    Raises:
+        InputError: It cannot be made or written, or another process works in it.
+    """
+    from hydra.core.hydra_config import HydraConfig  # loaded by then
+    from hydra.types import RunMode
+
+    hydra = HydraConfig.get()
+    if config.paths.run is None:
+        name = f"{datetime.now():%Y-%m-%d_%H-%M-%S}"
+        folder = fresh_folder(user_path(config.paths.runs) / str(hydra.job.config_name) / name)
+    else:
+        sweep = hydra.mode == RunMode.MULTIRUN
+        folder = make_folder(user_path(config.paths.run) / (str(hydra.job.num) if sweep else ""))
+    with claim(folder):
+        yield folder
 
 
 def section(schema: type[Schema], config: "DictConfig", key: str) -> Schema:
@@ -35,7 +64,11 @@ def section(schema: type[Schema], config: "DictConfig", key: str) -> Schema:
         if "is not a ListConfig" in reason:
             reason = f"wanted a list, e.g. {name}=[...]"
         raise InputError(f"{name}: {reason}") from error
-    return schema(**values)  # type: ignore[arg-type]  # str keys: the fields of the schema
+    fields: dict[str, Any] = values  # type: ignore[assignment]  # those of the schema
+    for field, value in fields.items():
+        if isinstance(value, float):
+            as_number(value, f"{key}.{field}")
+    return schema(**fields)
 
 
 def number(config: "DictConfig", key: str) -> float:
@@ -44,7 +77,7 @@ def number(config: "DictConfig", key: str) -> float:
     Raises:
         InputError: It is none.
     """
-    return as_number(config[key], key)
+    return asas_number(config[key], key)
 
 
 def whole_number(config: "DictConfig", key: str) -> int:
@@ -53,7 +86,18 @@ def whole_number(config: "DictConfig", key: str) -> int:
     Raises:
         InputError: It is none.
     """
-    return as_whole(config[key], key)
+    return asas_whole(config[key], key)
+
+
+def seed_of(config: "DictConfig") -> int:
+    """Read the seed of a run: the same range in every command.
+
+    Raises:
+        InputError: It is none.
+    """
+    seed = as_whole(config.seed, "seed")
+    require(0 <= seed <= LARGEST_SEED, "seed", seed, f"0 to {LARGEST_SEED}")
+    return seed
 
 
 def numbers(config: "DictConfig", key: str) -> list[float]:
@@ -74,6 +118,36 @@ def whole_numbers(config: "DictConfig", key: str) -> list[int]:
     return [as_whole(value, key) for value in _listed(config[key])]
 
 
+def flag(config: "DictConfig", key: str) -> bool:
+    """Read true or false.
+
+    Raises:
+        InputError: It is neither.
+    """
+    value = config[key]
+    require(isinstance(value, bool), key, value, "true or false")
+    return bool(value)
+
+
+def numbered(config: "DictConfig", key: str) -> dict[int, dict[str, Any]]:
+    """Read a section whose parts have numbers, changed one by one on the command line.
+
+    A file's ``1:`` is a number and the line's ``conditions.1.pose=left`` a word: they are one part.
+
+    Raises:
+        InputError: A part has no number, or is no section.
+    """
+    from omegaconf import OmegaConf  # loaded by Hydra anyway
+
+    parts: dict[int, dict[str, Any]] = {}
+    table: Any = OmegaConf.to_container(config[key], resolve=True)
+    for name, part in table.items():
+        require(str(name).isdigit(), f"{key}.{name}", "...", f"a number, such as {key}.7")
+        require(isinstance(part, dict), f"{key}.{name}", part, f"{key}.{name}.SETTING=...")
+        parts.setdefault(int(name), {}).update(part)
+    return parts
+
+
 def words(config: "DictConfig", key: str) -> list[str]:
     """Read a list of words; one word is a list of one."""
     return [str(value) for value in _listed(config[key])]
@@ -86,7 +160,12 @@ def require(holds: bool, key: str, value: object, wanted: str) -> None:
         InputError: It does not hold.
     """
     if not holds:
-        raise InputError(f"{key}={value}: wanted {wanted}")
+        raise InputError(f"{key}={_typed(value)}: wanted {wanted}")
+
+
+def _typed(value: object) -> object:
+    """Return a value as it is typed on the command line."""
+    return "null" if value is None else str(value).lower() if isinstance(value, bool) else value
 
 
 def _listed(value: object) -> list[object]:
@@ -106,7 +185,7 @@ def as_number(value: object, name: str) -> float:
         8.0
     """
     if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise InputError(f"{name}={value}: wanted a number")
+        raise InputError(f"{name}={_typed(value)}: wanted a number")
     return float(value)
 
 
@@ -117,7 +196,7 @@ def as_whole(value: object, name: str) -> int:
         InputError: It is none.
     """
     if isinstance(value, bool) or not isinstance(value, Integral):
-        raise InputError(f"{name}={value}: wanted a whole number")
+        raise InputError(f"{name}={_typed(value)}: wanted a whole number")
     return int(value)
 
 
@@ -139,82 +218,3 @@ def settle_numbers(instance: object, group: str, *fields: str) -> None:
         else:
             settled = as_number(value, name)
         object.__setattr__(instance, field, settled)
-
-
-_PLAIN = {"pose": "frontal", "lighting": "frontal", "lens": "pinhole", "standpoint": "level"}
-"""What a mapping without ``_target_`` changes."""
-
-
-def preset(group: str, name: str, **changes: Any) -> Any:
-    """Build what ``conf/GROUP/NAME.yaml`` describes: where a name becomes a value.
-
-    Args:
-        group: Folder below ``conf``, e.g. ``pose`` or ``rendering/skin``.
-        name: Of the file, without ``.yaml``.
-        changes: Fields to replace.
-
-    Raises:
-        InputError: There is no such preset, or a field that it does not know.
-
-    Example:
-        >>> preset("pose", "left", pitch_deg=5)
-        Pose(name='left', yaw_deg=30.0, pitch_deg=5.0, roll_deg=0.0)
-    """
-    from omegaconf import OmegaConf  # and Hydra below: a quarter of a second where it is used
-
-    known = presets(group)
-    if name not in known:
-        near = get_close_matches(str(name), known, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(known)}"
-        raise InputError(f"{group}={name}: there is none; {hint}")
-    return build(OmegaConf.merge(_read_preset(group, name), changes), group)
-
-
-def presets(group: str) -> list[str]:
-    """Name what there is in a folder below ``conf``."""
-    return sorted(path.stem for path in (config_folder() / group).glob("*.yaml"))
-
-
-def _read_preset(group: str, name: str) -> Any:
-    """Read a file of a group over those of its own folder that its defaults list names."""
-    from omegaconf import OmegaConf
-
-    node: Any = OmegaConf.load(config_folder() / group / f"{name}.yaml")
-    bases = [base for base in node.pop("defaults", []) if base != "_self_"]
-    return OmegaConf.merge(*(_read_preset(group, base) for base in bases), node)
-
-
-def value_of(group: str, node: Any) -> Any:
-    """Build a value from its preset's name, from a mapping with ``_target_``, or from changes.
-
-    Raises:
-        InputError: See :func:`preset`.
-    """
-    if isinstance(node, str):
-        return preset(group, node)
-    if isinstance(node, Mapping) and "_target_" not in node and group in _PLAIN:
-        return preset(group, _PLAIN[group], **{"name": "own", **node})
-    return build(node, group)
-
-
-def build(node: Any, name: str, **more: Any) -> Any:
-    """Call what a node's ``_target_`` names; ``name`` is what messages call the node.
-
-    Raises:
-        InputError: The node has a field that its target does not take, or a value is wrong.
-    """
-    from hydra.errors import InstantiationException
-    from hydra.utils import instantiate
-
-    try:
-        if not more:
-            return instantiate(node)
-        return instantiate(node, _partial_=True)(**more)  # Hydra itself would turn them into nodes
-    except (InstantiationException, TypeError) as error:
-        cause = error.__cause__ if isinstance(error, InstantiationException) else error
-        if isinstance(cause, InputError):
-            raise cause from None
-        if isinstance(cause, TypeError) and "argument" in str(cause):
-            reason = str(cause).split(") ", 1)[-1].split("() ", 1)[-1]
-            raise InputError(f"{name}: {reason}; --cfg job prints what there is") from error
-        raise

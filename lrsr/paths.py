@@ -1,6 +1,7 @@
 """Where are things, whether lrsr runs from a wheel or from a checkout, and from any folder?"""
 
 import os
+import tempfile
 from pathlib import Path
 
 from lrsr.errors import InputError
@@ -32,9 +33,71 @@ def asset(name: str) -> Path:
     return path
 
 
+def user_path(text: object) -> Path:
+    """Return the absolute path that a user wrote, ``~`` and ``~name`` expanded.
+
+    Raises:
+        InputError: It is empty or a loop of links, or there is no such home folder.
+    """
+    if not str(text).strip():
+        raise InputError("a path is empty: write . for this folder")
+    try:
+        return Path(str(text)).expanduser().resolve()
+    except (OSError, RuntimeError) as error:
+        raise InputError(f"{text}: {error}; write the whole path") from error
+
+
 def cache_folder() -> Path:
-    """Return the folder of the render cache: ``$LRSR_CACHE``, else the user's cache folder."""
-    if given := os.environ.get("LRSR_CACHE"):
-        return Path(given).expanduser().resolve()
-    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(base).expanduser() / "lrsr"
+    """Return the folder of the render cache: ``$LRSR_CACHE``, else the user's cache folder.
+
+    Whoever has none that could be made gets a folder of their own among the temporary ones.
+
+    Raises:
+        InputError: ``$LRSR_CACHE`` is in a home folder that does not exist.
+    """
+    if (given := os.environ.get("LRSR_CACHE", "")).strip():
+        return user_path(given)
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    if not Path(base).is_absolute():  # as its specification wants it
+        base = "~/.cache"
+    try:
+        folder = Path(base).expanduser() / "lrsr"
+    except RuntimeError:  # neither HOME nor an entry among the users
+        return scratch_folder()
+    return folder if _exists_or_can(folder) else scratch_folder()
+
+
+def scratch_folder() -> Path:
+    """Return a folder of the user's own, made if need be, among the temporary files.
+
+    Raises:
+        InputError: It cannot be made, or is somebody else's.
+    """
+    folder = Path(tempfile.gettempdir()) / f"lrsr-{os.getuid()}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        mine = folder.lstat().st_uid == os.getuid() and not folder.is_symlink()
+    except OSError as error:
+        raise InputError(
+            f"cannot make folder {folder}: {error.strerror}; set LRSR_CACHE"
+        ) from error
+    if not mine:
+        raise InputError(f"{folder} is somebody else's: set LRSR_CACHE to a folder of your own")
+    return folder
+
+
+def prepare_home() -> None:
+    """Give libraries that keep something at home another place where there is no home to write."""
+    if not _exists_or_can(Path(os.environ.get("HOME") or "/nowhere") / ".config"):
+        os.environ.setdefault("MPLCONFIGDIR", str(scratch_folder()))
+
+
+def _exists_or_can(folder: Path) -> bool:
+    """Tell whether a folder is there, even if only to be read, or could be made."""
+    try:
+        if folder.is_dir():
+            return True
+        above = next(path for path in folder.parents if path.exists())
+        return above.is_dir() and os.access(above, os.W_OK | os.X_OK)
+    except OSError:
+        return False

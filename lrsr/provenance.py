@@ -1,5 +1,6 @@
 """What made this result? Every run folder says: configuration, seed, versions, git hash."""
 
+import os
 import platform
 import subprocess
 from importlib import metadata
@@ -33,18 +34,25 @@ RECORDED = (
 def versions() -> dict[str, str]:
     """Return the versions of lrsr, Python and the libraries, and the commit of a checkout."""
     found = {"lrsr": __version__, "git": git_hash(), "python": platform.python_version()}
-    found |= {name: metadata.version(name) for name in RECORDED}
+    found |= {name: _version(name) for name in RECORDED}
     return found
 
 
+def _version(distribution: str) -> str:
+    try:
+        return metadata.version(distribution)
+    except metadata.PackageNotFoundError:  # the same library under another name, such as conda's
+        return "unknown"
+
+
 def git_hash() -> str:
-    """Return the commit of the checkout (with "+" if it is changed), or "installed"."""
+    """Return the commit of the checkout (with "+" if it is changed), "installed" or "unknown"."""
     if not (PACKAGE.parent / ".git").exists():
         return "installed"
     try:
         commit = _git("rev-parse", "--short=12", "HEAD")
         return commit + ("+" if _git("status", "--porcelain", "--", "lrsr", "conf") else "")
-    except (OSError, subprocess.CalledProcessError):
+    except (OSError, subprocess.SubprocessError):
         return "unknown"
 
 
@@ -61,7 +69,9 @@ def write_provenance(folder: Path, config: "DictConfig") -> None:
 
 
 def _git(*words: str) -> str:
-    command = ["git", "-C", str(PACKAGE.parent), *words]
+    command = ["git", "--no-optional-locks", "-C", str(PACKAGE.parent), *words]
+    # A hook's variables would name another repository.
+    environment = {name: v for name, v in os.environ.items() if not name.startswith("GIT_")}
     return subprocess.run(
-        command, capture_output=True, check=True, text=True, timeout=10
+        command, capture_output=True, check=True, text=True, timeout=3, env=environment
     ).stdout.strip()

@@ -6,9 +6,10 @@ Every task returns the folder that holds its result; the command line prints it 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lrsr.configuration import as_number, build, whole_numbers
+from lrsr.configuration import flag, number, run_folder, seed_of, whole_numbers
 from lrsr.errors import InputError
-from lrsr.paths import cache_folder
+from lrsr.paths import cache_folder, user_path
+from lrsr.presets import build
 from lrsr.provenance import write_provenance
 
 if TYPE_CHECKING:
@@ -18,19 +19,19 @@ if TYPE_CHECKING:
 
 
 def run_eval(config: "DictConfig") -> Path:
-    """Run an experiment: the class that its ``_target_`` names, e.g.
-    :class:`lrsr.experiments.verification.Verification`.
+    """Run an experiment: the class that its ``_target_`` names.
 
     Raises:
         InputError: A setting is wrong; nothing has been rendered by then.
     """
     from hydra.utils import get_class  # loaded by then
 
-    experiment = get_class(str(config._target_)).from_config(config)
-    folder = _run_folder()
-    write_provenance(folder, config)
-    result: Path = experiment.run(folder, _cache(config))
-    return result
+    kind: Any = get_class(str(config._target_))
+    experiment = kind.from_config(config)
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        result: Path = experiment.run(folder, _cache(config))
+        return result
 
 
 run_demo = run_eval
@@ -51,14 +52,14 @@ def run_render(config: "DictConfig") -> Path:
     out = _path(config.out)
     if out is None:
         raise InputError("out=null: give the folder for the pictures, e.g. out=probes")
-    film = Film(as_number(config.ipd_px, "ipd_px"))
+    film = Film(number(config, "ipd_px"))
     probes = Sitting(
         people=read_people(config),
         scene=read_scene(config),
         film=film,
         quality=read_quality(config).at(film.ipd_px),
         kind=config.kind,
-        seed=config.seed,
+        seed=seed_of(config),
     )
     settings = RenderSettings(
         out=out,
@@ -67,7 +68,7 @@ def run_render(config: "DictConfig") -> Path:
         camera_settings=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
         compression=str(config.compression),
         scales=whole_numbers(config, "scales"),
-        png16=bool(config.png16),
+        png16=flag(config, "png16"),
     )
     folder = render_to_folder(settings, _cache(config)).parent
     write_provenance(folder, config)
@@ -85,11 +86,10 @@ def run_identities(config: "DictConfig") -> Path:
 
     settings = uniqueness_settings(config)
     camera = build(config.camera, "camera")
-    folder = _run_folder()
-    write_provenance(folder, config)
-    return check_uniqueness(
-        settings, folder, cache=_cache(config), camera=camera, model=_path(config.recognition.model)
-    )
+    model = _path(config.recognition.model)
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return check_uniqueness(settings, folder, cache=_cache(config), camera=camera, model=model)
 
 
 def run_fit_camera(config: "DictConfig") -> Path:
@@ -101,9 +101,9 @@ def run_fit_camera(config: "DictConfig") -> Path:
     from lrsr.experiments.fit_camera import fit_settings, fit_to_folder  # torch takes seconds
 
     settings = fit_settings(config)
-    folder = _run_folder()
-    write_provenance(folder, config)
-    return fit_to_folder(settings, folder, cache=_cache(config))
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return fit_to_folder(settings, folder, cache=_cache(config))
 
 
 def run_train(config: "DictConfig") -> Path:
@@ -128,27 +128,22 @@ def run_train(config: "DictConfig") -> Path:
     plain: Any = OmegaConf.to_container(config, resolve=True)
     depends_on = what_matters(plain) | data.about()
     module = build(config.module, "module")
-    folder = _run_folder()
-    if config.resume:
-        refuse_other_run(folder, depends_on)
-    write_provenance(folder, config)
-    return train(
-        module,
-        data,
-        folder=folder,
-        trainer=build(config.trainer, "trainer"),
-        callbacks=list(build(config.callbacks, "callbacks").values()),
-        loggers=list(build(config.logger, "logger").values()),
-        seed=config.seed,
-        resume=config.resume,
-        depends_on=depends_on,
-    )
-
-
-def _run_folder() -> Path:
-    from hydra.core.hydra_config import HydraConfig  # loaded by then
-
-    return Path(HydraConfig.get().runtime.output_dir)
+    resume = flag(config, "resume")
+    with run_folder(config) as folder:
+        if resume:
+            refuse_other_run(folder, depends_on)
+        write_provenance(folder, config)
+        return train(
+            module,
+            data,
+            folder=folder,
+            trainer=build(config.trainer, "trainer"),
+            callbacks=list(build(config.callbacks, "callbacks").values()),
+            loggers=list(build(config.logger, "logger").values()),
+            seed=seed_of(config),
+            resume=resume,
+            depends_on=depends_on,
+        )
 
 
 def _cache(config: "DictConfig") -> "RenderCache":
@@ -158,4 +153,4 @@ def _cache(config: "DictConfig") -> "RenderCache":
 
 
 def _path(value: object) -> Path | None:
-    return None if value is None else Path(str(value)).expanduser().resolve()
+    return None if value is None else user_path(value)

@@ -13,6 +13,7 @@ from skimage.color import rgb2ycbcr
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.images import (
     check_images,
+    check_srgb,
     linear_to_srgb,
     luminance,
     resize_bicubic,
@@ -69,6 +70,50 @@ def test_a_non_finite_pixel_is_named_by_its_place(value: float) -> None:
 
 def test_the_number_of_channels_is_an_argument() -> None:
     assert check_images(torch.zeros(1, 1, 2, 2), channels=1).shape == (1, 1, 2, 2)
+
+
+def test_what_is_no_tensor_is_refused() -> None:
+    with pytest.raises(ImageContractError, match=r"got shape \(\), wanted \(B, 3, H, W\)"):
+        check_images([[[[0.5]]]])
+    with pytest.raises(ImageContractError, match=r"got float32, wanted torch.float32"):
+        check_images(np.zeros((1, 3, 2, 2), np.float32))
+
+
+# srgb in [0, 1]
+
+
+@pytest.mark.parametrize("excess", [0.0, 9e-6], ids=["exact", "rounded"])
+def test_srgb_may_leave_its_range_by_rounding_only(excess: float) -> None:
+    srgb = torch.tensor([-excess, 1 + excess]).expand(1, 3, 1, 2)
+    assert check_srgb(srgb) is srgb
+
+
+@pytest.mark.parametrize(
+    ("srgb", "found"),
+    [
+        (torch.full((1, 3, 2, 2), 1.0001), "1.0001 to 1.0001"),
+        (torch.linspace(0, 255, 12).view(1, 3, 2, 2), "0 to 255"),
+        (torch.linspace(-1, 1, 12).view(1, 3, 2, 2), "-1 to 1"),
+    ],
+    ids=["overshoot", "0..255", "-1..1"],
+)
+def test_srgb_of_another_range_is_refused_not_rescaled(srgb: torch.Tensor, found: str) -> None:
+    with pytest.raises(ImageContractError, match=rf"faces: got values {found}, wanted \[0, 1\]"):
+        check_srgb(srgb, name="faces")
+
+
+def test_srgb_that_needs_a_gradient_is_refused_unless_that_is_said() -> None:
+    srgb = torch.zeros(1, 3, 2, 2, requires_grad=True)
+    with pytest.raises(ImageContractError, match=r"needs a gradient, .*\[0, 1\]; give its .detach"):
+        check_srgb(srgb)
+    assert check_srgb(srgb, may_need_gradient=True) is srgb
+
+
+def test_srgb_keeps_the_rest_of_the_contract() -> None:
+    with pytest.raises(ImageContractError, match=r"got torch.bfloat16, wanted"):
+        check_srgb(torch.zeros(1, 3, 2, 2, dtype=torch.bfloat16))
+    with pytest.raises(NonFiniteError, match="nan in image 0"):
+        check_srgb(torch.full((1, 3, 2, 2), float("nan")))
 
 
 # linear and srgb

@@ -8,21 +8,19 @@ from typing import TYPE_CHECKING, Any, cast
 from lrsr.camera import Camera
 from lrsr.camera.codec import COMPRESSIONS
 from lrsr.configuration import (
-    as_whole,
-    build,
     number,
+    numbered,
     numbers,
-    preset,
-    presets,
     require,
-    value_of,
-    whole_number,
+    seed_of,
     whole_numbers,
     words,
 )
 from lrsr.identities.roster import IdentityRange
+from lrsr.paths import user_path
 from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality
 from lrsr.pictures.source import Photographs, read_photographs
+from lrsr.presets import build, preset, presets, value_of
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.sr.upscaler import Upscaler
 
@@ -132,7 +130,7 @@ class Design:
             upscalers=_upscalers(config),
             people=read_people(config),
             quality=read_quality(config),
-            seed=whole_number(config, "seed"),
+            seed=seed_of(config),
             gallery=read_gallery(config),
             camera=build(config.camera, "camera"),
             level=number(config, "level"),
@@ -160,14 +158,14 @@ class Design:
 
 
 def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
-    table = {as_whole(_digits(key), "conditions"): node for key, node in config.conditions.items()}
+    table = numbered(config, "conditions")
     usual: dict[str, Any] = {"pose": "frontal", "lighting": "frontal", "compression": "none"}
     usual |= {"lens": config.lens, "standpoint": config.standpoint}
     found = []
     for ipd_px in numbers(config, "ipd_px"):
         for option in whole_numbers(config, "options"):
             require(option in table, "options", option, f"one of {sorted(table)}")
-            node = usual | dict(table[option])
+            node = usual | table[option]
             compression = str(node.pop("compression"))
             for group in node:
                 wish = f"no such setting; there are {', '.join((*usual, 'expression'))}"
@@ -175,10 +173,6 @@ def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
             scene = Scene(**{group: value_of(group, node[group]) for group in node})
             found.append(Condition(option, scene, compression, ipd_px))
     return tuple(found)
-
-
-def _digits(key: Any) -> Any:
-    return int(key) if str(key).isdecimal() else key
 
 
 def _plain(condition: Condition) -> dict[str, Any]:
@@ -191,7 +185,7 @@ def _folder(config: "DictConfig", key: str) -> Path | None:
 
 
 def _path(value: Any) -> Path | None:
-    return None if value is None else Path(str(value)).expanduser().resolve()
+    return None if value is None else user_path(value)
 
 
 def _condition_of(photographs: Photographs) -> Condition:

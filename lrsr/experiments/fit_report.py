@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from lrsr.camera.fitting import Fit
 from lrsr.camera.statistics import BENT_NAMES, RANGES, RINGS
-from lrsr.experiments.report.figures import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes
 from lrsr.experiments.real_pictures import RealPictures
+from lrsr.experiments.report.figures import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes
 from lrsr.experiments.report.page import FILE, template
 from lrsr.files import write_bytes, write_text
 from lrsr.provenance import versions

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.camera import Camera
+from lrsr.evaluation.distinctness import Drawn, summarise
 from lrsr.experiments.report.demographics import draw_spread, spread
 from lrsr.experiments.report.figures import data_uri, draw_angles, encode_face
-from lrsr.experiments.report.sheets import draw_portraits
 from lrsr.experiments.report.page import FILE, flat, template
+from lrsr.experiments.report.sheets import draw_portraits
 from lrsr.experiments.uniqueness import (
     Findings,
     Gallery,
@@ -26,7 +27,6 @@ from lrsr.experiments.uniqueness import (
 )
 from lrsr.files import write_bytes, write_json, write_text
 from lrsr.identities.roster import write_roster
-from lrsr.identities.uniqueness import Drawn, summarise
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import Entry, write_manifest
 from lrsr.pictures.maker import Maker, mitsuba_maker

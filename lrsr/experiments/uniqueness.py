@@ -14,9 +14,7 @@ from tqdm import tqdm
 
 from lrsr.camera import Camera
 from lrsr.configuration import number, require, whole_number
-from lrsr.identities.person import Traits
-from lrsr.identities.roster import Roster
-from lrsr.identities.uniqueness import (
+from lrsr.evaluation.distinctness import (
     Distinct,
     Drawn,
     Pair,
@@ -25,6 +23,8 @@ from lrsr.identities.uniqueness import (
     pairwise_angles_deg,
     summarise,
 )
+from lrsr.identities.person import Traits
+from lrsr.identities.roster import Roster
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker, mitsuba_maker
 from lrsr.pictures.picture import Picture, stack

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from lrsr.evaluation.roc import trace_roc
+from lrsr.experiments.design import Design
 from lrsr.experiments.report.page import Panel, Report, write_report
 from lrsr.experiments.report.sheets import draw_contact_sheet
-from lrsr.experiments.design import Design
 from lrsr.experiments.table import Row
 from lrsr.experiments.trial import Outcome
 from lrsr.files import write_bytes, write_json

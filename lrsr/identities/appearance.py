@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from lrsr.identities.face.iris import Iris, sample_iris
 from lrsr.identities.face.lashes import Lashes, sample_lashes
-from lrsr.identities.hair.colour import HairColour, sample_hair_colour
 from lrsr.identities.skin import regions
 from lrsr.identities.skin.beard import Beard, sample_beard
 from lrsr.identities.skin.brows import Brows, sample_brows
@@ -23,6 +22,7 @@ from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.complexion import Complexion, sample_complexion
 from lrsr.identities.skin.features import FeaturePainter
 from lrsr.identities.skin.grain import Grain, GrainPainter, sample_grain
+from lrsr.identities.skin.hair_colour import HairColour, sample_hair_colour
 from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.lines import Lines, draw_lines, sample_lines
 from lrsr.identities.skin.make_up import Lips, MakeUp, sample_lips, sample_make_up

@@ -23,6 +23,7 @@ from lrsr.identities.face.lashes import lash_faces, place_lashes
 from lrsr.identities.face.lids import clear_lids, lid_margins
 from lrsr.identities.face.mouth import JAW_UNITS, build_mouth, cavity, lining
 from lrsr.identities.face.resting import RestingFace, act, rest_face
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.gate import draw_plausible, record
 from lrsr.identities.gate.hair_fit import grow_shell
 from lrsr.identities.gate.mildness import draws_averaged, mean_anatomy
@@ -32,9 +33,8 @@ from lrsr.identities.head import Head, Part
 from lrsr.identities.population import EVERYBODY, OLDEST_YEARS, YOUNGEST_YEARS, Population
 from lrsr.identities.shape.anatomy import RACES, Anatomy, coefficients, sample_anatomy
 from lrsr.identities.shape.basis import BaseHead, load_basis
+from lrsr.identities.shape.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.shape.proportions import load_gauge
-from lrsr.identities.shape.template import template
-from lrsr.identities.skin.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.skin.relief import displace
 
 RECIPE_VERSION = "8"

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, is_dataclass, replace
 from typing import Any, Literal
 
-from lrsr.configuration import as_whole
+from lrsr.configuration import LARGEST_SEED, as_whole
 from lrsr.errors import InputError
 from lrsr.identities.person import Person
 from lrsr.identities.population import EVERYBODY
@@ -15,8 +15,6 @@ from lrsr.rendering.standpoint import LEVEL
 
 Kind = Literal["probe", "gallery"]
 KINDS = ("probe", "gallery")
-
-LARGEST_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True)

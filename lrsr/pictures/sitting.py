@@ -7,9 +7,10 @@ one identity everywhere: what ``lrsr render`` has made, ``lrsr eval`` does not m
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from lrsr.configuration import as_whole, build, require, section, value_of
+from lrsr.configuration import LARGEST_SEED, as_whole, require, section, seed_of
 from lrsr.identities.roster import IdentityRange
-from lrsr.pictures.recipe import KINDS, LARGEST_SEED, Kind, Recipe
+from lrsr.pictures.recipe import KINDS, Kind, Recipe
+from lrsr.presets import build, value_of
 from lrsr.rendering.scene import Film, Quality, Scene
 
 if TYPE_CHECKING:
@@ -105,5 +106,5 @@ def read_gallery(config: "DictConfig") -> Sitting:
         film=film,
         quality=replace(read_quality(config), samples_per_pixel=samples),
         kind="gallery",
-        seed=config.seed,
+        seed=seed_of(config),
     )

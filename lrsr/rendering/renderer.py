@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import torch
 
-from lrsr.configuration import preset
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
+from lrsr.presets import preset
 from lrsr.rendering.bands import band_edges
 from lrsr.rendering.environment import environment
 from lrsr.rendering.film import expose

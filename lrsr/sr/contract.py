@@ -21,6 +21,7 @@ A height and width that the graph fixes are read from the graph; other pictures 
 tiles. A ``model.onnx`` of ``lrsr train`` carries all this and needs no contract.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -70,6 +71,21 @@ class Contract:
         nchw, nhwc = (None, channels, None, None), (None, None, None, channels)
         shape = nchw if self.layout == "NCHW" else nhwc
         return shape, f"float {self.layout} of {self.channels}"
+
+    def height_and_width(self, shape: Sequence[object], model: Path) -> Sequence[object]:
+        """Take height and width, numbers where they are fixed, out of the shape of the input.
+
+        Raises:
+            InputError: Something is fixed, but not the channels: it is of the other layout.
+        """
+        first = self.layout == "NCHW"
+        size, channels = (shape[2:], shape[1]) if first else (shape[1:3], shape[3])
+        if not isinstance(channels, int) and any(isinstance(side, int) for side in size):
+            raise InputError(
+                f"{model}: takes {shape}, its contract says {self.takes[1]};"
+                " mend the contract or give the model it was written for"
+            )
+        return size
 
 
 def read_contract(model: Path, properties: dict[str, str]) -> Contract:

@@ -79,12 +79,7 @@ class _OneStep:
 
     def _step(self, srgb: torch.Tensor) -> torch.Tensor:
         larger = check_images(self._enlarge(srgb), name=self.label)
-        got, wanted = larger.shape[-2:], [self.scale * size for size in srgb.shape[-2:]]
-        if list(got) != wanted:
-            raise ImageContractError(
-                f"{self.label}: got {tuple(got)} pixels of {tuple(srgb.shape[-2:])}, wanted"
-                f" {tuple(wanted)}: its scale is not {self.scale}"
-            )
+        _check_size(larger, srgb, self.scale, self.label)
         return larger.clamp(0.0, 1.0)
 
     def describe(self) -> Description:
@@ -211,6 +206,8 @@ class Onnx(_OneStep):
         properties = self._session.get_modelmeta().custom_metadata_map
         self.contract = told = read_contract(model, properties)
         check_graph(self._session, model, "an upscaler", told.takes, told.takes)
+        self._size = told.height_and_width(self._session.get_inputs()[0].shape, model)
+        self._factor = 1 if told.enlarged else told.scale
         about: Description = {
             "kind": "onnx",
             "file": model.name,
@@ -229,15 +226,13 @@ class Onnx(_OneStep):
         super().__init__(enlarge, label or model.stem, told.scale, about, "cpu", batch_size)
 
     def _in_tiles(self, images: torch.Tensor) -> torch.Tensor:
-        told = self.contract
-        shape = self._session.get_inputs()[0].shape
-        fixed = shape[2:] if told.layout == "NCHW" else shape[1:3]
+        many = self.contract.multiple_of
         tile_px = [
-            size if isinstance(size, int) else told.multiple_of * ceil(have / told.multiple_of)
-            for size, have in zip(fixed, images.shape[-2:], strict=True)
+            size if isinstance(size, int) else many * ceil(have / many)
+            for size, have in zip(self._size, images.shape[-2:], strict=True)
         ]
-        factor = 1 if told.enlarged else told.scale
-        return run_in_tiles(images, self._run, tile_px=(tile_px[0], tile_px[1]), factor=factor)
+        height, width = tile_px
+        return run_in_tiles(images, self._run, tile_px=(height, width), factor=self._factor)
 
     def _run(self, images: torch.Tensor) -> torch.Tensor:
         """Run the network on (B, C, h, w), as the contract says."""
@@ -248,6 +243,7 @@ class Onnx(_OneStep):
         got = run_session(self._session, self._model, values, batch_size=self._batch_size)
         result = torch.from_numpy(got) / told.white
         result = result.permute(0, 3, 1, 2) if told.layout == "NHWC" else result
+        _check_size(result, images, self._factor, self.label)
         return result.flip(1) if told.channels == "BGR" else result
 
 
@@ -327,6 +323,15 @@ def _restore(
     ycbcr = rgb_to_ycbcr(larger)
     restored = run(ycbcr[:, :1] if enlarged else luminance(srgb))
     return ycbcr_to_rgb(torch.cat([restored, ycbcr[:, 1:]], dim=1))
+
+
+def _check_size(larger: torch.Tensor, srgb: torch.Tensor, scale: int, label: str) -> None:
+    got, given = tuple(larger.shape[-2:]), tuple(srgb.shape[-2:])
+    wanted = tuple(scale * size for size in given)
+    if got != wanted:
+        raise ImageContractError(
+            f"{label}: got {got} pixels of {given}, wanted {wanted}; mend its scale in its contract"
+        )
 
 
 def _usable(device: str) -> torch.device:

@@ -58,7 +58,7 @@ class Card:
             raise InputError(f"input={self.input}: {self.architecture} takes {wanted}")
         if not isinstance(self.arguments, Mapping):
             raise InputError(f"arguments={self.arguments!r}: wanted names and values")
-        if not 1 <= self.scale <= LARGEST_SCALE:
+        if type(self.scale) is not int or not 1 <= self.scale <= LARGEST_SCALE:
             raise InputError(f"scale={self.scale}: wanted 1 to {LARGEST_SCALE}")
         if self.enlarged_by not in ("", ENLARGED_BY):
             raise InputError(f"enlarged_by={self.enlarged_by!r}: wanted {ENLARGED_BY!r} or nothing")

@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from lrsr.configuration import as_number, build, require, value_of
+from lrsr.configuration import as_number, require
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.sitting import read_people, read_quality
+from lrsr.presets import build, value_of
 from lrsr.training.rendered import Rendered
 
 if TYPE_CHECKING:

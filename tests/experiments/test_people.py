@@ -15,6 +15,7 @@ from matplotlib.image import imread
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
+from lrsr.evaluation.distinctness import Distinct
 from lrsr.experiments.people import answer, check_uniqueness, gate_sentence
 from lrsr.experiments.portraits import GAP_PX, LINE_PX
 from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
@@ -22,7 +23,6 @@ from lrsr.experiments.uniqueness import Findings, UniquenessSettings
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.roster import read_roster
-from lrsr.identities.uniqueness import Distinct
 
 SETTINGS = UniquenessSettings(
     identities=IdentityRange(count=7),

@@ -12,6 +12,7 @@ from hydra import compose, initialize_config_dir
 from lrsr.camera import Camera
 from lrsr.data.cache import RenderCache
 from lrsr.errors import InputError
+from lrsr.evaluation.distinctness import Drawn
 from lrsr.experiments.settings import (
     Condition,
     GallerySettings,
@@ -36,7 +37,6 @@ from lrsr.identities.morphable import RECIPE_VERSION, sample_parameters
 from lrsr.identities.population import Population
 from lrsr.identities.roster import Roster, write_roster
 from lrsr.identities.splits import identity_seed
-from lrsr.identities.uniqueness import Drawn
 from lrsr.paths import config_folder
 from lrsr.recognition import Engine
 

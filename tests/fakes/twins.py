@@ -7,10 +7,10 @@ from typing import Any
 from fakes.painted import PaintedMaker
 
 from lrsr.data.recipe import ProbeRecipe
+from lrsr.evaluation.distinctness import Drawn
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.person import Person, tone_of
-from lrsr.identities.uniqueness import Drawn
 from lrsr.rendering.radiance import Radiance
 
 

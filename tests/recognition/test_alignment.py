@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 import cv2
 import numpy as np
 import pytest
@@ -6,7 +8,13 @@ from skimage.transform import SimilarityTransform
 
 from lrsr.errors import ImageContractError
 from lrsr.images import scale_points
-from lrsr.recognition.alignment import TEMPLATE_PX, align, fit_similarities, warp
+from lrsr.recognition.alignment import (
+    TEMPLATE_PX,
+    align,
+    fit_similarities,
+    read_landmarks,
+    warp,
+)
 
 
 def some_landmarks(count: int, seed: int = 0) -> np.ndarray:
@@ -144,3 +152,53 @@ def test_landmarks_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
 def test_images_and_landmarks_must_be_as_many() -> None:
     with pytest.raises(ImageContractError, match="1 images but landmarks for 2"):
         align(ramp(9), np.zeros((2, 5, 2)), antialias=False)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda points: points.tolist(),
+        lambda points: tuple(map(tuple, points)),
+        lambda points: points.astype(np.int64),
+        lambda points: np.ma.masked_array(points),
+        lambda points: torch.from_numpy(points),
+        lambda points: torch.from_numpy(points).bfloat16(),
+        lambda points: torch.from_numpy(points).requires_grad_(),
+        lambda points: list(torch.from_numpy(points)),
+    ],
+    ids=["list", "tuple", "int64", "masked", "float64", "bfloat16", "gradient", "tensors"],
+)
+def test_landmarks_may_be_numbers_of_any_kind(make: Callable[[np.ndarray], object]) -> None:
+    points = np.round(TEMPLATE_PX[None] / 4) * 2  # whole numbers that bfloat16 holds
+    read = read_landmarks(make(points))
+    assert read.dtype == np.float64
+    np.testing.assert_array_equal(read, points)
+
+
+def test_a_masked_landmark_is_none() -> None:
+    mask = np.zeros((2, 5, 2), dtype=bool)
+    mask[1, 3, 0] = True
+    landmarks = np.ma.masked_array(np.stack([TEMPLATE_PX, TEMPLATE_PX]), mask)
+    _, found = align(ramp(112).repeat(2, 1, 1, 1), landmarks, antialias=False)
+    assert found.tolist() == [True, False]
+    assert np.isnan(read_landmarks(landmarks)[1, 3, 0])
+
+
+def test_a_masked_whole_number_is_none_too() -> None:
+    whole = np.ma.masked_equal(np.stack([TEMPLATE_PX.round().astype(int)]), 38)
+    assert np.isnan(read_landmarks(whole)).sum() == 1
+
+
+@pytest.mark.parametrize(
+    "odd",
+    [[[[1, 2]] * 4 + [[1]]], "five points", [[["x", "y"]] * 5], None, [None], 3.0],
+    ids=["ragged", "words", "letters", "none", "nobody", "number"],
+)
+def test_landmarks_that_are_no_points_are_refused(odd: object) -> None:
+    with pytest.raises(ImageContractError, match=r"landmarks_px: got .*wanted \(B, 5, 2\)"):
+        read_landmarks(odd)
+
+
+def test_landmarks_of_another_number_are_refused_where_it_is_known() -> None:
+    with pytest.raises(ImageContractError, match=r"got shape \(1, 5, 2\), wanted \(2, 5, 2\)"):
+        read_landmarks(TEMPLATE_PX[None], 2)

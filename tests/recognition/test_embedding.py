@@ -3,11 +3,13 @@ from pathlib import Path
 
 import numpy as np
 import onnx
+import onnxruntime
 import pytest
 import torch
 
 from lrsr.errors import ImageContractError, InputError
 from lrsr.onnx import contract_path, sha256_of
+from lrsr.recognition import embedding
 from lrsr.recognition.embedding import Embedder, unit_rows
 
 WriteModel = Callable[..., Path]
@@ -112,3 +114,17 @@ def test_a_file_that_is_no_onnx_is_refused(tiny_model: Path) -> None:
     with pytest.raises(InputError, match=r"tiny\.onnx: not a usable ONNX model") as caught:
         Embedder(tiny_model)
     assert "\n" not in str(caught.value)
+
+
+def test_cuda_is_used_where_onnxruntime_has_it(
+    tiny_model: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[str, ...]] = []
+    opened = embedding.open_session
+    monkeypatch.setattr(
+        embedding, "open_session", lambda model, who: asked.append(who) or opened(model)
+    )
+    monkeypatch.setattr(onnxruntime, "get_available_providers", lambda: ["CUDAExecutionProvider"])
+    for device in ("cpu", "cuda"):
+        Embedder(tiny_model, device=device)
+    assert [who[0] for who in asked] == ["CPUExecutionProvider", "CUDAExecutionProvider"]

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,58 @@ def test_no_face_found_is_a_row_of_nan_and_a_score_of_nan(tiny_model: Path) -> N
     assert np.isnan(embeddings).all(axis=1).tolist() == [False, True, False]
     scores = cosine_scores(embeddings, embeddings[[0, 2]], ["a", "b", "c"], ["a", "c"])
     assert np.isnan(scores.matrix).tolist() == [[False, False], [True, True], [False, False]]
+
+
+BROKEN = {
+    "0..255": (lambda srgb: srgb * 255, r"got values .*wanted \[0, 1\]"),
+    "-1..1": (lambda srgb: srgb * 2 - 1, r"got values -0\.99.*wanted \[0, 1\]"),
+    "bfloat16": (lambda srgb: srgb.bfloat16(), "got torch.bfloat16, wanted torch.float32"),
+    "float64": (lambda srgb: srgb.double(), "got torch.float64, wanted torch.float32"),
+    "bytes": (lambda srgb: srgb.mul(255).byte(), "got torch.uint8, wanted torch.float32"),
+    "gradient": (
+        lambda srgb: srgb.requires_grad_(),
+        r"got a tensor that needs a gradient, wanted .*\[0, 1\]",
+    ),
+    "numpy": (lambda srgb: srgb.numpy(), "got float32, wanted torch.float32"),
+}
+
+
+@pytest.mark.parametrize(("broken", "message"), BROKEN.values(), ids=BROKEN)
+def test_pictures_of_another_kind_are_refused(
+    tiny_model: Path, broken: Callable[[torch.Tensor], object], message: str
+) -> None:
+    with pytest.raises(ImageContractError, match=f"srgb: {message}"):
+        Engine(tiny_model).embed(broken(faces(2)), np.stack([TEMPLATE_PX] * 2))
+
+
+@pytest.mark.parametrize(("broken", "message"), BROKEN.values(), ids=BROKEN)
+def test_crops_of_another_kind_are_refused(
+    tiny_model: Path, broken: Callable[[torch.Tensor], object], message: str
+) -> None:
+    with pytest.raises(ImageContractError, match=f"crops: {message}"):
+        Embedder(tiny_model)(broken(faces(2)))
+
+
+def test_a_masked_face_is_not_found(tiny_model: Path) -> None:
+    mask = np.zeros((2, 5, 2), dtype=bool)
+    mask[0] = True
+    landmarks = np.ma.masked_array(np.stack([TEMPLATE_PX] * 2), mask)
+    embeddings = Engine(tiny_model).embed(faces(2), landmarks)
+    assert np.isnan(embeddings).all(axis=1).tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [list, lambda p: torch.tensor(p).double(), lambda p: torch.tensor(p).double().requires_grad_()],
+    ids=["list", "tensor", "gradient"],
+)
+def test_landmarks_of_any_kind_are_the_same_landmarks(
+    tiny_model: Path, kind: Callable[[object], object]
+) -> None:
+    engine = Engine(tiny_model)
+    points = (TEMPLATE_PX[None] * 4).round() / 4
+    given = engine.embed(faces(1), kind(points.tolist()))
+    np.testing.assert_array_equal(given, engine.embed(faces(1), points))
 
 
 def test_nobody_found_is_no_error(tiny_model: Path) -> None:

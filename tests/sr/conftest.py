@@ -1,11 +1,16 @@
-"""Weights files, written on the spot."""
+"""Weights and somebody's ONNX files, written on the spot."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import onnx
 import pytest
 import torch
+from onnx import TensorProto, helper
 
+from lrsr.onnx import contract_path, sha256_of
 from lrsr.sr.networks import NETWORKS
 from lrsr.sr.weights import ENLARGED_BY, Card, write_weights
 
@@ -19,11 +24,11 @@ def _one_thread() -> Iterator[None]:
     torch.set_num_threads(before)
 
 
-def card_of(architecture: str, scale: int, **arguments: object) -> Card:
+def card_of(architecture: str, times: int, **arguments: object) -> Card:
     """A card without errors."""
     by = ENLARGED_BY if architecture == "srcnn" else ""
     takes = NETWORKS[architecture].input
-    return Card(architecture, arguments, scale, takes, lr_made_by="test", enlarged_by=by)
+    return Card(architecture, arguments, times, takes, lr_made_by="test", enlarged_by=by)
 
 
 @pytest.fixture
@@ -35,6 +40,66 @@ def weights_file(tmp_path: Path) -> Callable[..., Path]:
         path = tmp_path / f"srcnn{scale}x.safetensors"
         card = card_of("srcnn", scale, initialisation=initialisation)
         write_weights(path, NETWORKS["srcnn"](**card.arguments), card)
+        return path
+
+    return write
+
+
+def _somebodys(
+    layout: str, channels: int, scale: int, size: tuple[int | str, int | str], batch: int | str
+) -> onnx.ModelProto:
+    """Nearest neighbour, and 1, 1/2 and 1/4 of the first, second and third channel."""
+    first = layout == "NCHW"
+    shape = [batch, channels, *size] if first else [batch, *size, channels]
+    times = [1, 1, scale, scale] if first else [1, scale, scale, 1]
+    out = [s * t if isinstance(s, int) else f"{s}{t}" for s, t in zip(shape, times, strict=True)]
+    gain = np.float32([1.0, 0.5, 0.25])[:channels].reshape((channels, 1, 1) if first else -1)
+    graph = helper.make_graph(
+        [
+            helper.make_node(
+                "Resize",
+                ["x", "", "times"],
+                ["large"],
+                mode="nearest",
+                nearest_mode="floor",
+                coordinate_transformation_mode="asymmetric",
+            ),
+            helper.make_node("Mul", ["large", "gain"], ["y"]),
+        ],
+        "somebodys",
+        [helper.make_tensor_value_info("x", TensorProto.FLOAT, shape)],
+        [helper.make_tensor_value_info("y", TensorProto.FLOAT, out)],
+        [
+            onnx.numpy_helper.from_array(np.float32(times), "times"),
+            onnx.numpy_helper.from_array(gain, "gain"),
+        ],
+    )
+    return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 18)], ir_version=9)
+
+
+@pytest.fixture
+def somebodys(tmp_path: Path) -> Callable[..., Path]:
+    """Write somebody's network (:func:`_somebodys`) and its contract."""
+
+    def write(
+        *,
+        size: tuple[int | str, int | str] = ("H", "W"),
+        batch: int | str = "N",
+        grows: int = 2,
+        **declared: Any,
+    ) -> Path:
+        told = {"channels": "RGB", "layout": "NCHW", "range": "0..1", "enlarged": False}
+        told |= {"scale": 2} | declared
+        path = tmp_path / "theirs.onnx"
+        channels = 1 if told["channels"] == "Y" else 3
+        onnx.save(_somebodys(told["layout"], channels, grows, size, batch), path)
+        scale = told.pop("scale")
+        lines = [f'sha256 = "{sha256_of(path)}"', 'licence = "MIT"', 'source = "a test"']
+        fields = [
+            f"{k} = {str(v).lower() if v in (True, False) else repr(v)}" for k, v in told.items()
+        ]
+        contract = [*lines, "[input]", *fields, "[output]", f"scale = {scale}"]
+        contract_path(path).write_text("\n".join(contract))
         return path
 
     return write

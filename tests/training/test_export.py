@@ -5,11 +5,11 @@ import onnx
 import onnxruntime
 import pytest
 import torch
+from lrsr.sr.srcnn import SRCNN
 
 from lrsr.errors import NonFiniteError
 from lrsr.sr import export
 from lrsr.sr.export import OPSET, TOLERANCE, export_onnx
-from lrsr.sr.srcnn import SRCNN
 from lrsr.sr.weights import Recipe
 
 RECIPE = Recipe(scale=4, lr_made_by="rendered")

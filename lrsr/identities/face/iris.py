@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from lrsr.identities.skin.canvas import smoothstep
+from lrsr.identities.ramp import smoothstep
 
 EDGE_ANGLE_RAD = 0.5 * np.pi
 """Angle from the optical axis at the edge of the texture's inscribed circle.

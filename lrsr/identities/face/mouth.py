@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from lrsr.identities.face.teeth import Jaws, build_jaws, paint_jaws
 from lrsr.identities.head import Part
 from lrsr.identities.shape.basis import BaseHead, Basis, load_basis
+from lrsr.identities.shape.position_map import draw_triangles, fill_outside
 from lrsr.identities.shape.topology import REGIONS
-from lrsr.identities.skin.position_map import draw_triangles, fill_outside
 
 Points = NDArray[np.float64]
 

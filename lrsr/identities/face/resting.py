@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.face.eyes import Eyes, find_eyes
 from lrsr.identities.face.lids import clear_lids, closing_strengths, rest_lids
+from lrsr.identities.face.template import template
 from lrsr.identities.shape.basis import BaseHead, load_basis
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 

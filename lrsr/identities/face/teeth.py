@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.identities.skin.canvas import smoothstep
+from lrsr.identities.ramp import smoothstep
 
 Points = NDArray[np.float64]
 

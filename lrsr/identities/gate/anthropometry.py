@@ -30,8 +30,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.identities.face.template import template
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 Sex = Literal["female", "male"]

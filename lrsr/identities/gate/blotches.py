@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.intersection import coarse_faces
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 DARK = 0.35
 """Skin of less than this share of the face's median reflectance is a dark patch; moles, painted

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.intersection import coarse_faces
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 

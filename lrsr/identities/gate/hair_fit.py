@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.intersection import coarse_faces
 from lrsr.identities.hair.anchors import load_anchors
 from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import ROWS, lay_shell
 from lrsr.identities.hair.strands import RIBBONS
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from lrsr.identities.face.eyes import Eyes, cornea_rise, rotation_to
 from lrsr.identities.face.lids import lid_margins
 from lrsr.identities.face.mouth import STRIP_QUADS
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.intersection import coarse_faces
 from lrsr.identities.head import Head
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.face.eyes import Eyes, unit_ball
+from lrsr.identities.face.template import template
 from lrsr.identities.gate import anthropometry
 from lrsr.identities.gate.anthropometry import PROPORTIONS, SIGMA_Z_LIMIT, Sex
 from lrsr.identities.gate.blotches import measure_paint
@@ -30,7 +31,6 @@ from lrsr.identities.gate.openings import (
     nostril_area_mm2,
 )
 from lrsr.identities.head import Head
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 

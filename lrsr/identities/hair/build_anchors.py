@@ -1,6 +1,6 @@
 """How is ``lrsr/assets/hair_anchors.npz`` made? ``python -m lrsr.identities.hair.build_anchors``.
 
-From the average adult of :mod:`lrsr.identities.shape.template` alone: the ears are the vertices
+From the average adult of :mod:`lrsr.identities.face.template` alone: the ears are the vertices
 that the ear targets of the shape space move; :mod:`lrsr.identities.hair.anchors` casts the rays.
 Run it again whenever ``head_basis.npz`` changes; a test compares the two.
 """
@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.files import replacing
+from lrsr.identities.face.template import template
 from lrsr.identities.hair.anchors import ASSET_NAME, Anchors, anchor_arrays, build_anchors
 from lrsr.identities.shape.basis import Basis, load_basis
-from lrsr.identities.shape.template import template
 from lrsr.paths import PACKAGE
 
 EAR_MOTION_MM = 7.5

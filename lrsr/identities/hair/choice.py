@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
-from lrsr.identities.hair.colour import HairColour, hair_rgb, sample_hair_colour
-from lrsr.identities.hair.scalp import smoothstep
 from lrsr.identities.hair.styles import STYLES, style_parameters
+from lrsr.identities.ramp import smoothstep
+from lrsr.identities.skin.hair_colour import HairColour, hair_rgb, sample_hair_colour
 
 ANCESTRIES = ("african", "asian", "caucasian")
 
@@ -98,7 +98,7 @@ def colour_parameters(colour: HairColour) -> dict[str, Any]:
 
 def _sex(masculinity: float) -> float:
     """0 for women and 1 for men, whatever the degree; in between at 0.3 to 0.7."""
-    return float(smoothstep(np.asarray((masculinity - 0.3) / 0.4)))
+    return float(smoothstep(0.3, 0.7, np.asarray(masculinity)))
 
 
 def _shares(ancestry: Mapping[str, float]) -> dict[str, float]:

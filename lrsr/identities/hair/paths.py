@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from lrsr.identities.hair.chart import flatten, sample_chart
-from lrsr.identities.hair.scalp import MM_PER_DEG, bald_polar, hairline_polar, smoothstep
+from lrsr.identities.hair.scalp import MM_PER_DEG, bald_polar, hairline_polar
 from lrsr.identities.hair.styles import AT_HAIRLINE_MM, LOWER_AZIMUTHS_DEG
+from lrsr.identities.ramp import smoothstep
 
 Floats = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ def plan_paths(parameters: Mapping[str, Any], chart: Floats, rng: np.random.Gene
     tuft = group_tufts(parameters["clump_scale_mm"], rng)
     ragged = smooth_noise(rng, (COLUMNS,), (5.0,), spread=0.3) + 0.25 * np.abs(tuft)
     framing = np.clip(1.0 - np.abs(np.abs(azimuth) - first) / 40.0, 0.0, 1.0) * (drop > 60.0)
-    free = smoothstep((drop - 6.0) / 8.0)
+    free = smoothstep(6.0, 14.0, drop)
     retreat = _RETREAT_MM[0] + free * (_RETREAT_MM[1] - _RETREAT_MM[0])
     length = over_skull + drop - cut - retreat - parameters["ragged_mm"] * ragged
     length -= parameters["layer_mm"] * framing**1.5
@@ -89,7 +90,7 @@ def plan_paths(parameters: Mapping[str, Any], chart: Floats, rng: np.random.Gene
         over_skull_mm=over_skull,
         length_mm=np.maximum(length, 1.0),
         on_parting=on_parting,
-        leading=np.ones(COLUMNS) if closed else smoothstep((1.0 - frontness) / 0.06),
+        leading=np.ones(COLUMNS) if closed else smoothstep(0.0, 0.06, 1.0 - frontness),
         free=free,
         tuft=tuft,
     )
@@ -154,7 +155,7 @@ def _leave(
     fringe = parameters["fringe_mm"] + parameters["fringe_tilt_mm"] * np.sin(np.deg2rad(azimuth))
     fringe = fringe + parameters["fringe_arch_mm"] * (azimuth / 45.0) ** 2
     end = 54.0 if parameters["lower_mm"][2] == AT_HAIRLINE_MM else 70.0
-    fringe = fringe * smoothstep((end - np.abs(azimuth)) / 14.0)
+    fringe = fringe * smoothstep(end, end - 14.0, np.abs(azimuth))
     height = sample_chart(chart, azimuth, polar)[:, 1]
     above_brows = np.maximum(height - _FRINGE_ABOVE_MM, 0.0)
     drop = np.where(hangs, height - low, np.clip(fringe, 0.0, above_brows))
@@ -164,8 +165,8 @@ def _leave(
 def _trimmed_hairline(parameters: Mapping[str, Any], azimuth: Floats) -> Floats:
     """The natural hairline, cut higher above the ears and at the nape."""
     away = np.abs(azimuth)
-    side = smoothstep((away - 60.0) / 15.0) * smoothstep((122.0 - away) / 15.0)
-    back = smoothstep((away - 115.0) / 25.0)
+    side = smoothstep(60.0, 75.0, away) * smoothstep(122.0, 107.0, away)
+    back = smoothstep(115.0, 140.0, away)
     trim = parameters["trim_side_deg"] * side + parameters["trim_back_deg"] * back
     return np.asarray(hairline_polar(azimuth, parameters) - trim)
 
@@ -180,5 +181,5 @@ def _roots(parameters: Mapping[str, Any], frontness: Floats) -> tuple[Floats, Fl
     azimuth = np.array([_parting_azimuth(parameters)])
     front = flatten(azimuth, hairline_polar(azimuth, parameters) - 1.0)[0]
     whorl = front + parameters["parting_length"] * (crown - front)
-    on_parting = smoothstep((frontness - 0.1) / 0.9)
+    on_parting = smoothstep(0.1, 1.0, frontness)
     return whorl + on_parting[:, None] * (front - whorl), on_parting

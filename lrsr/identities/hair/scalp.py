@@ -14,6 +14,7 @@ from lrsr.identities.hair.anchors import (
     chart_angles,
     load_anchors,
 )
+from lrsr.identities.ramp import smoothstep
 
 Floats = NDArray[np.float64]
 
@@ -112,11 +113,11 @@ class Scalp:
         line = hairline_polar(azimuth, parameters)[self._column]
         stroke = _strokes(np.random.default_rng([seed, 5])).ravel()[self._stroke]
         inside_mm = (line - self._polar) * MM_PER_DEG
-        cover = smoothstep((inside_mm + 6.0 * (stroke - 0.35)) / 9.0 + 0.5)
+        cover = smoothstep(0.0, 1.0, (inside_mm + 6.0 * (stroke - 0.35)) / 9.0 + 0.5)
         bald = parameters["bald_deg"]
         if bald > 0:
             rim_mm = (self._polar - bald_polar(azimuth, bald)[self._column]) * MM_PER_DEG
-            cover = cover * smoothstep((rim_mm + 10.0 * (stroke - 0.5)) / 18.0 + 0.5)
+            cover = cover * smoothstep(0.0, 1.0, (rim_mm + 10.0 * (stroke - 0.5)) / 18.0 + 0.5)
         density = parameters["density"] * (1.0 - _WHITE_ROOTS * parameters.get("grey", 0.0))
         cover = cover * (density + (1.0 - density) * 0.5 * (stroke - 0.5))
         mask = np.zeros(self.shape, dtype=np.float32)
@@ -169,9 +170,3 @@ def _blur(values: Floats, width: int) -> Floats:
     pad = [(0, 0)] * (values.ndim - 1) + [(width // 2 + 1, width // 2)]
     total = np.cumsum(np.pad(values, pad, mode="edge"), axis=-1)
     return (total[..., width:] - total[..., :-width]) / width
-
-
-def smoothstep(x: Floats) -> Floats:
-    """Rise smoothly from 0 at x <= 0 to 1 at x >= 1."""
-    x = np.clip(x, 0.0, 1.0)
-    return x * x * (3.0 - 2.0 * x)

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from lrsr.identities.hair.anchors import SKULL_CENTRE_MM, Anchors
 from lrsr.identities.hair.chart import measure_ears, measure_skin, sample_chart, sample_level
 from lrsr.identities.hair.paths import COLUMNS, Paths, follow_paths, plan_paths, smooth_noise
-from lrsr.identities.hair.scalp import smoothstep
 from lrsr.identities.hair.styles import AT_HAIRLINE_MM
 from lrsr.identities.hair.thickness import Course, lay_thickness
+from lrsr.identities.ramp import smoothstep
 
 Floats = NDArray[np.float64]
 
@@ -137,16 +137,16 @@ def _style(
     clump = smooth_noise(rng, course.along.shape, _clump_widths(parameters))
     start = 0.35 * smooth_noise(rng, (COLUMNS,), (9.0,))[:, None]
     phase = 2.0 * np.pi * (course.along / parameters["wave_period_mm"] + start)
-    swing = parameters["wave_mm"] * smoothstep((course.along - 25.0) / 60.0) * fade
+    swing = parameters["wave_mm"] * smoothstep(25.0, 85.0, course.along) * fade
     share = np.clip(course.along / paths.length_mm[:, None], 0.0, 1.0)
     free = paths.free[:, None]
-    loose = free * smoothstep((share - 0.35) / 0.65)
+    loose = free * smoothstep(0.35, 1.0, share)
     smooth = 0.5 + 0.5 * min(parameters["curl_mm"] / 3.0, 1.0)
     lift = smooth * parameters["clump_mm"] * clump * fade + 0.5 * swing * np.cos(phase)
     lift = lift + parameters["flare_mm"] * loose**3
     bend = smooth_noise(rng, (COLUMNS,), (12.0,))[:, None]
     bend = bend * np.sin(np.pi * np.clip(share - 0.3, 0.0, 0.7) / 0.7)
-    front = smoothstep((58.0 - np.abs(paths.azimuth)) / 20.0)[:, None]
+    front = smoothstep(58.0, 38.0, np.abs(paths.azimuth))[:, None]
     aside = swing * np.sin(phase) + parameters["sway_mm"] * bend * free
     aside = aside + parameters["sweep_mm"] * front * share**2
     aside = aside - 0.12 * parameters["clump_scale_mm"] * paths.tuft[:, None] * loose
@@ -178,7 +178,7 @@ def _hang(parameters: Mapping[str, Any], bed: _Bed, paths: Paths, course: Course
     flat = points[..., [0, 2]] - bed.centre[[0, 2]]
     radius = np.where(leaves, surface, np.linalg.norm(flat, axis=-1))
     widest = np.maximum.accumulate(radius, axis=1)
-    off = smoothstep(course.down / _HANG_AFTER_MM) * parameters["hang"]
+    off = smoothstep(0.0, _HANG_AFTER_MM, course.down) * parameters["hang"]
     radius += off * np.minimum(widest - radius, _MOST_HANG_MM)
     hanging = np.stack(
         [

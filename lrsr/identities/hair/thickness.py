@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.hair.chart import flatten
 from lrsr.identities.hair.paths import Paths
-from lrsr.identities.hair.scalp import smoothstep
+from lrsr.identities.ramp import smoothstep
 
 Floats = NDArray[np.float64]
 
@@ -54,9 +54,9 @@ def lay_thickness(
     height = bare + leading * (height - bare)
     fade = fade * leading
     if parameters["bald_deg"] > 0:
-        rim = smoothstep(course.along / (0.8 * parameters["taper_mm"]))
-        height = height * rim - _ROOT_DEPTH_MM * (1.0 - smoothstep(course.along / 6.0))
-        grows = smoothstep((paths.over_skull_mm - 8.0) / 16.0)[:, None]
+        rim = smoothstep(0.0, 0.8 * parameters["taper_mm"], course.along)
+        height = height * rim - _ROOT_DEPTH_MM * (1.0 - smoothstep(0.0, 6.0, course.along))
+        grows = smoothstep(8.0, 24.0, paths.over_skull_mm)[:, None]
         height = grows * height - _GONE_DEPTH_MM * (1.0 - grows)
         fade = fade * rim
     return height, fade
@@ -64,8 +64,8 @@ def lay_thickness(
 
 def _full_thickness(parameters: Mapping[str, Any], paths: Paths, course: Course) -> Floats:
     """Thickness away from all edges: top, sides and back, the front's lift, the parting's dip."""
-    top = smoothstep((78.0 - course.polar) / 38.0)
-    back = smoothstep((np.abs(course.azimuth) - 95.0) / 35.0)
+    top = smoothstep(78.0, 40.0, course.polar)
+    back = smoothstep(95.0, 130.0, np.abs(course.azimuth))
     sides = (1.0 - back) * parameters["side_mm"] + back * parameters["back_mm"]
     lift = np.exp(-(((course.polar - 50.0) / 15.0) ** 2) - (course.azimuth / 40.0) ** 2)
     full = top * parameters["top_mm"] + (1.0 - top) * sides + parameters["front_lift_mm"] * lift
@@ -88,10 +88,12 @@ def _fade_at_tips(
     """Sink into the skin at a hairline; thin out to the tips where they hang free."""
     left = paths.length_mm[:, None] - course.along
     inner = np.clip(left / parameters["taper_mm"], 0.0, 1.0)
-    fade = smoothstep(inner)
+    fade = smoothstep(0.0, 1.0, inner)
     fade = fade + parameters["roundness"] * (np.sqrt(inner * (2.0 - inner)) - fade)
-    close = full * fade - _ROOT_DEPTH_MM * (1.0 - smoothstep(left / 5.0))
-    share = smoothstep(course.down / np.maximum(course.down.max(axis=1, keepdims=True), 1.0))
+    close = full * fade - _ROOT_DEPTH_MM * (1.0 - smoothstep(0.0, 5.0, left))
+    share = smoothstep(
+        0.0, 1.0, course.down / np.maximum(course.down.max(axis=1, keepdims=True), 1.0)
+    )
     hanging = full + share * (np.minimum(parameters["tip_mm"], full) - full)
     free = paths.free[:, None]
     return close + free * (hanging - close), fade + free * (1.0 - fade)

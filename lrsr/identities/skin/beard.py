@@ -11,7 +11,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from lrsr.identities.skin.canvas import Canvas, FloatMap, smoothstep
+from lrsr.identities.ramp import smoothstep
+from lrsr.identities.skin.canvas import Canvas, FloatMap
 
 BeardKind = Literal["none", "stubble", "moustache", "goatee", "chin", "full"]
 BEARD_KINDS: tuple[BeardKind, ...] = get_args(BeardKind)

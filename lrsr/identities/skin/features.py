@@ -12,13 +12,13 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.identities.face.lashes import Lashes
-from lrsr.identities.hair.colour import HairColour, hair_rgb
 from lrsr.identities.skin import beard as beards
 from lrsr.identities.skin import brows as eyebrows
 from lrsr.identities.skin import regions
 from lrsr.identities.skin.beard import Beard
 from lrsr.identities.skin.brows import Brows
 from lrsr.identities.skin.canvas import FloatMap
+from lrsr.identities.skin.hair_colour import HairColour, hair_rgb
 from lrsr.identities.skin.make_up import MakeUp
 
 _WARM = np.array([1.6, 1.0, 0.6], dtype=np.float32)  # skin shines through the hairs

@@ -14,7 +14,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from lrsr.identities.skin.canvas import FloatMap, smoothstep
+from lrsr.identities.ramp import smoothstep
+from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.layout import Layout, largest_box
 from lrsr.identities.skin.regions import blob
 

@@ -10,9 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.identities.skin.canvas import Canvas, smoothstep
-
-FloatMap = NDArray[np.float32]
+from lrsr.identities.ramp import smoothstep
+from lrsr.identities.skin.canvas import Canvas, FloatMap
 
 FACE = Canvas(left_mm=-84.0, top_mm=100.0, width_mm=168.0, height_mm=230.0, pixel_mm=0.4)
 """Frontal sheet for everything coarser than a hair."""

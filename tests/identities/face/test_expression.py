@@ -10,7 +10,7 @@ from lrsr.identities.face.expression import EXPRESSIONS, Expression, find_expres
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.skin.position_map import draw_triangles
+from lrsr.identities.shape.position_map import draw_triangles
 
 SEEDS = (3, 8)
 

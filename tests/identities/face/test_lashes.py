@@ -4,7 +4,7 @@ import numpy as np
 
 from lrsr.identities.face.lashes import COUNTS, lash_faces, place_lashes, sample_lashes
 from lrsr.identities.face.lids import lid_margins
-from lrsr.identities.shape.template import template
+from lrsr.identities.face.template import template
 
 PLAIN = {"length_mm": 8.0, "width_mm": 0.15, "curl": 0.8, "lower": 0.5}
 

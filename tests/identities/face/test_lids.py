@@ -11,8 +11,8 @@ from lrsr.identities.face.lids import (
     lid_margins,
     rest_lids,
 )
+from lrsr.identities.face.template import template
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 
 def make_eyes() -> Eyes:

@@ -4,9 +4,9 @@ import pytest
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.face.mouth import MUCOSA, THROAT, build_mouth, cavity, lining
 from lrsr.identities.face.teeth import build_jaws
+from lrsr.identities.face.template import template
 from lrsr.identities.morphable import sample_head
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 
 def test_the_cavity_is_behind_the_lips_and_nowhere_else() -> None:

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.anthropometry import (
     LENGTHS,
     LIMIT_SD,
@@ -15,7 +16,6 @@ from lrsr.identities.gate.anthropometry import (
     sigma_z,
     z_scores,
 )
-from lrsr.identities.shape.template import template
 
 # North American whites, mm: Farkas et al., J. Craniofac. Surg. 16 (2005) 615-646.
 PUBLISHED: dict[Sex, dict[str, float]] = {

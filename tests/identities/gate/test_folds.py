@@ -1,9 +1,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.folds import measure_folds
 from lrsr.identities.gate.intersection import coarse_faces
-from lrsr.identities.shape.template import template
 
 
 def skin() -> NDArray[np.float64]:

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.hair_fit import HairFit, grow_shell, measure_hair
 from lrsr.identities.hair.hair import STYLES, build_hair, colour_parameters, style_parameters
 from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import ROWS
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float32]
 

@@ -4,6 +4,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.face.resting import act, rest_face
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.intersection import (
     coarse_faces,
     count_nose_crossings,
@@ -13,7 +14,6 @@ from lrsr.identities.gate.intersection import (
     nose_faces,
 )
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from lrsr.identities.face.eyes import Eyes, unit_ball
 from lrsr.identities.face.lids import clear_lids
 from lrsr.identities.face.resting import rest_face
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.openings import (
     covered,
     eyes_of,
@@ -15,7 +16,6 @@ from lrsr.identities.gate.openings import (
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 

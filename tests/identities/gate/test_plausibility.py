@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.face.lids import clear_lids
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.plausibility import (
     LIMITS,
     RELIEF_LEEWAY,
@@ -22,7 +23,6 @@ from lrsr.identities.hair.hair import build_hair, colour_parameters, style_param
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 Points = NDArray[np.float64]
 

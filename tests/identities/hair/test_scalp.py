@@ -4,17 +4,13 @@ import numpy as np
 import pytest
 
 from lrsr.identities.hair.anchors import SKULL_CENTRE_MM, chart_directions, load_anchors
-from lrsr.identities.hair.scalp import bald_polar, hairline_polar, scalp_mask, smoothstep
+from lrsr.identities.hair.scalp import bald_polar, hairline_polar, scalp_mask
 from lrsr.identities.hair.styles import style_parameters
 from lrsr.identities.morphable import template
 
 
 def make_hair(style: str = "crop", **changes: Any) -> dict[str, Any]:
     return style_parameters(style, np.random.default_rng(3)) | changes
-
-
-def test_smoothstep_rises_from_zero_to_one_through_a_half() -> None:
-    assert smoothstep(np.array([-1.0, 0.0, 0.5, 1.0, 2.0])).tolist() == [0.0, 0.0, 0.5, 1.0, 1.0]
 
 
 def test_hairline_is_symmetrical_without_tilt() -> None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.face.lids import lid_heights, lid_margins
 from lrsr.identities.face.resting import RestingFace
+from lrsr.identities.face.template import template
 from lrsr.identities.gate.anthropometry import Sex, measure_lengths, proportions, z_scores
 from lrsr.identities.shape.anatomy import (
     GENDERS,
@@ -19,7 +20,6 @@ from lrsr.identities.shape.anatomy import (
 )
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.proportions import MEASURES, load_gauge
-from lrsr.identities.shape.template import template
 
 EQUAL = dict.fromkeys(RACES, 1 / 3)
 PLAIN: Anatomy = {

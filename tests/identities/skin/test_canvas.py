@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lrsr.identities.skin.canvas import Canvas, smoothstep
+from lrsr.identities.skin.canvas import Canvas
 
 CANVAS = Canvas(left_mm=-10.0, top_mm=6.0, width_mm=20.0, height_mm=12.0, pixel_mm=0.1)
 
@@ -71,10 +71,3 @@ def test_lists_longer_than_opencv_allows_and_empty_ones_are_read() -> None:
 def test_outside_the_sheet_is_nothing() -> None:
     sheet = np.ones(CANVAS.shape, dtype=np.float32)
     assert CANVAS.sample(sheet, CANVAS.to_pixels(np.array([[50.0, 50.0]])))[0] == 0
-
-
-def test_smoothstep_falls_when_its_limits_are_swapped() -> None:
-    value = np.linspace(-1, 3, 9)
-    np.testing.assert_allclose(
-        smoothstep(2.0, 0.0, value), 1 - smoothstep(0.0, 2.0, value), atol=1e-12
-    )

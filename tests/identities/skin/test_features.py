@@ -8,12 +8,12 @@ import pytest
 from numpy.typing import NDArray
 
 from lrsr.identities.face.lashes import Lashes, sample_lashes
-from lrsr.identities.hair.colour import HairColour
 from lrsr.identities.morphable import position_map, template
 from lrsr.identities.skin.beard import BEARD_KINDS, Beard, sample_beard
 from lrsr.identities.skin.brows import Brows, sample_brows
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.features import FeaturePainter, _shade
+from lrsr.identities.skin.hair_colour import HairColour
 from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.make_up import MakeUp, sample_make_up
 

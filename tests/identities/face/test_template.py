@@ -1,8 +1,8 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
+from lrsr.identities.face.template import template
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.template import template
 
 
 def test_the_template_is_as_large_as_an_adult() -> None:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lrsr.identities.skin.position_map import draw_triangles, fill_outside
+from lrsr.identities.shape.position_map import draw_triangles, fill_outside
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 TWO = np.array([[0, 1, 2], [0, 2, 3]])

@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 
-from lrsr.identities.hair.colour import HairColour, hair_rgb, sample_hair_colour
+from lrsr.identities.skin.hair_colour import HairColour, hair_rgb, sample_hair_colour
 
 
 def _hair(eumelanin: float = 1.3, pheomelanin: float = 0.1, grey: float = 0.0) -> HairColour:

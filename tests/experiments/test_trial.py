@@ -8,53 +8,61 @@ from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
-from lrsr.data.cache import RenderCache
-from lrsr.data.probes import load_probes, stack
-from lrsr.errors import InputError
-from lrsr.experiments.settings import (
-    Condition,
-    GallerySettings,
-    IdentityRange,
-    RenderingSettings,
-    VerificationSettings,
-)
-from lrsr.experiments.verification import Verification
+from lrsr.presets import preset
+from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.trial import Trial
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
-from lrsr.identities.roster import Roster, write_roster
+from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.images import luminance, resize_bicubic
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.picture import stack
+from lrsr.pictures.recipe import Recipe
+from lrsr.pictures.render import take_pictures
+from lrsr.pictures.sitting import Sitting
+from lrsr.pictures.source import Rendered
 from lrsr.recognition import Engine
+from lrsr.rendering.scene import Film, Quality, Scene
 
-SETTINGS = VerificationSettings(
+METHODS = ("base", "bicubic2", "bicubic4", "srcnn2", "srcnn2x2", "srcnn4")
+FRONTAL = Scene(preset("lighting", "frontal"))
+QUALITY = Quality(samples_per_pixel=4, texture_size=64)
+PEOPLE = IdentityRange(count=12)
+DESIGN = Design(
     name="painted",
     question="Are painted people told apart?",
-    conditions=(Condition(1, 8.0, "frontal", "frontal", "none"),),
-    methods=("base", "bicubic2", "bicubic4", "srcnn2", "srcnn2x2", "srcnn4"),
-    identities=IdentityRange(count=12),
-    gallery=GallerySettings(ipd_px=32.0),
-    rendering=RenderingSettings(samples_per_pixel=4, texture_size=8),
+    conditions=(Condition(1, FRONTAL, "none", 8.0),),
+    upscalers={name: preset("sr", name) for name in METHODS},
+    people=PEOPLE,
+    quality=QUALITY,
     seed=0,
-    level=0.95,
+    gallery=Sitting(PEOPLE, FRONTAL, Film(32.0), QUALITY, "gallery"),
+    camera=Camera(),
 )
 
 
-def trial(folder: Path, model: Path, settings: VerificationSettings = SETTINGS) -> Verification:
+def trial(folder: Path, model: Path, design: Design = DESIGN) -> Trial:
     cache = RenderCache(folder / "cache")
-    return Verification(settings, cache, Engine(model), Camera(), PaintedMaker())
+    return Trial(design, cache, Engine(model), PaintedMaker(), progress=False)
+
+
+def recipes(source: object) -> list[Recipe]:
+    assert isinstance(source, Rendered)
+    return list(source.recipes)
 
 
 def test_painted_people_are_told_apart_by_every_method(tmp_path: Path, tone_model: Path) -> None:
     (outcome,) = trial(tmp_path, tone_model).outcomes()
-    assert [row.method for row in outcome.rows] == list(SETTINGS.methods)
+    assert [row.method for row in outcome.rows] == list(METHODS)
     assert all(row.auc > 0.99 for row in outcome.rows)
     assert all((row.n_genuine, row.n_impostor) == (12, 132) for row in outcome.rows)
 
 
 def test_everything_is_rendered_once_and_kept(tmp_path: Path, tone_model: Path) -> None:
     experiment = trial(tmp_path, tone_model)
-    assert experiment.render(progress=False) == 12 * (1 + 3)
-    assert experiment.render(progress=False) == 0
-    assert trial(tmp_path, tone_model).render(progress=False) == 0
+    assert experiment.render() == 12 * (1 + 3)
+    assert experiment.render() == 0
+    assert trial(tmp_path, tone_model).render() == 0
 
 
 def test_the_people_are_those_of_the_population_and_the_roster(
@@ -63,47 +71,51 @@ def test_the_people_are_those_of_the_population_and_the_roster(
     redrawn = Roster("test", 0, 12, Population("female"), RECIPE_VERSION, "dlib", 11.2, {3: 2})
     roster = write_roster(tmp_path / "roster.json", redrawn)
     people = IdentityRange(count=12, sex="female", roster=str(roster))
-    experiment = trial(tmp_path, tone_model, replace(SETTINGS, identities=people))
-    recipes = [
-        *experiment.gallery_recipes(),
-        *experiment.probe_recipes(SETTINGS.conditions[0], 4),
-    ]
-    assert {recipe.population for recipe in recipes} == {Population("female")}
-    assert [recipe.index for recipe in recipes if recipe.draw == 2] == [3, 3]
-    assert {recipe.draw for recipe in recipes if recipe.index != 3} == {0}
+    gallery = replace(DESIGN.gallery, people=people)
+    experiment = trial(tmp_path, tone_model, replace(DESIGN, people=people, gallery=gallery))
+    finest = experiment.references(DESIGN.conditions[0], 4)
+    shown = [r.person for source in (experiment.gallery(), finest) for r in recipes(source)]
+    assert {person.population for person in shown} == {Population("female")}
+    assert [person.index for person in shown if person.draw == 2] == [3, 3]
+    assert {person.draw for person in shown if person.index != 3} == {0}
 
 
 def test_the_lens_is_that_of_the_probes_and_not_of_the_gallery(
     tmp_path: Path, tone_model: Path
 ) -> None:
-    settings = replace(SETTINGS, lens="single", standpoint="scface_far")
-    experiment = trial(tmp_path, tone_model, settings)
-    probes = experiment.probe_recipes(SETTINGS.conditions[0], 4)
-    assert {(recipe.lens, recipe.standpoint) for recipe in probes} == {("single", "scface_far")}
-    gallery = experiment.gallery_recipes()
-    assert {(recipe.lens, recipe.standpoint) for recipe in gallery} == {("pinhole", "level")}
+    far = {"lens": preset("lens", "single"), "standpoint": preset("standpoint", "scface_far")}
+    condition = replace(DESIGN.conditions[0], scene=replace(FRONTAL, **far))
+    experiment = trial(tmp_path, tone_model, replace(DESIGN, conditions=(condition,)))
+    for source in (experiment.probes(condition), experiment.references(condition, 4)):
+        assert {(r.scene.lens, r.scene.standpoint) for r in recipes(source)} == {
+            tuple(far.values())
+        }
+    assert {recipe.scene for recipe in recipes(experiment.gallery())} == {FRONTAL}
 
 
 def test_a_probe_has_other_noise_than_its_gallery_picture(tmp_path: Path, tone_model: Path) -> None:
     experiment = trial(tmp_path, tone_model)
-    (condition,) = SETTINGS.conditions
-    probes = experiment.probe_recipes(replace(condition, ipd_px=32.0), 1)
-    seeds = [recipe.seed for recipe in (*experiment.gallery_recipes(), *probes)]
+    (condition,) = DESIGN.conditions
+    probes = experiment.probes(replace(condition, ipd_px=32.0))
+    seeds = [recipe.seed for source in (experiment.gallery(), probes) for recipe in recipes(source)]
     assert len(set(seeds)) == 24
 
 
 def test_psnr_is_measured_against_the_uncompressed_finer_film(
     tmp_path: Path, tone_model: Path
 ) -> None:
-    heavy = replace(SETTINGS.conditions[0], compression="heavy")
-    experiment = trial(
-        tmp_path, tone_model, replace(SETTINGS, conditions=(heavy,), methods=("bicubic2",))
-    )
+    heavy = replace(DESIGN.conditions[0], compression="heavy")
+    bicubic = {"bicubic2": DESIGN.upscalers["bicubic2"]}
+    asked = replace(DESIGN, conditions=(heavy,), upscalers=bicubic)
+    experiment = trial(tmp_path, tone_model, asked)
     (outcome,) = experiment.outcomes()
     cache, maker = RenderCache(tmp_path / "cache"), PaintedMaker()
     film = [
-        stack(load_probes(experiment.probe_recipes(heavy, scale), cache, camera, maker=maker))[0]
-        for scale, camera in ((1, Camera("heavy")), (2, Camera("none")))
+        stack(take_pictures(recipes(source), cache, camera, maker=maker))[0]
+        for source, camera in (
+            (experiment.probes(heavy), Camera("heavy")),
+            (experiment.references(heavy, 2), Camera("none")),
+        )
     ]
     enlarged = luminance(resize_bicubic(film[0], 2).clamp(0, 1))[:, 0, 2:-2, 2:-2].double()
     true = luminance(film[1])[:, 0, 2:-2, 2:-2].double()
@@ -127,22 +139,18 @@ def test_pictures_show_gallery_probe_methods_and_reference(
 
 
 def test_base_alone_needs_no_reference(tmp_path: Path, tone_model: Path) -> None:
-    (outcome,) = trial(tmp_path, tone_model, replace(SETTINGS, methods=("base",))).outcomes()
+    (outcome,) = trial(
+        tmp_path, tone_model, replace(DESIGN, upscalers={"base": DESIGN.upscalers["base"]})
+    ).outcomes()
     assert list(outcome.pictures) == ["Gallery", "Probe"]
     assert outcome.rows[0].psnr_y_db is None
 
 
-def test_an_unknown_method_is_refused_before_rendering(tmp_path: Path, tone_model: Path) -> None:
-    with pytest.raises(InputError, match="magic"):
-        trial(tmp_path, tone_model, replace(SETTINGS, methods=("magic",)))
-
-
 def test_a_camera_with_flaws_takes_the_probes_alone(tmp_path: Path, tone_model: Path) -> None:
     flawed = Camera(supersampling=2, sensor=Sensor(100.0), name="flawed")
-    cache = RenderCache(tmp_path / "cache")
-    experiment = Verification(SETTINGS, cache, Engine(tone_model), flawed, PaintedMaker())
-    assert experiment.render(progress=False) == 12 * (1 + 3)
-    assert experiment.render(progress=False) == 0
+    experiment = trial(tmp_path, tone_model, replace(DESIGN, camera=flawed))
+    assert experiment.render() == 12 * (1 + 3)
+    assert experiment.render() == 0
     (ours,) = experiment.outcomes()
     (plain,) = trial(tmp_path, tone_model).outcomes()
     assert torch.equal(ours.pictures["Gallery"], plain.pictures["Gallery"])

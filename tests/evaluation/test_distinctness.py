@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.identities.uniqueness import (
+from lrsr.evaluation.distinctness import (
     Distinct,
     Drawn,
     Pair,

@@ -1,4 +1,3 @@
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -6,20 +5,14 @@ from hydra import compose, initialize_config_dir
 from omegaconf import DictConfig
 
 from lrsr.errors import InputError
-from lrsr.experiments.settings import (
-    Condition,
-    GallerySettings,
-    IdentityRange,
-    RenderingSettings,
-    section,
-    verification_settings,
-)
+from lrsr.presets import preset
+from lrsr.experiments.design import Condition, Design
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
-from lrsr.identities.roster import Roster, write_roster
+from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.paths import config_folder
-from lrsr.rendering.lens import find_lens
-from lrsr.rendering.standpoint import find_standpoint
+from lrsr.rendering.pose import Pose
+from lrsr.rendering.scene import Scene
 
 
 def composed(*overrides: str) -> DictConfig:
@@ -28,28 +21,31 @@ def composed(*overrides: str) -> DictConfig:
 
 
 def test_eval_without_arguments_is_option_1_at_ipd_8_with_100_identities() -> None:
-    settings = verification_settings(composed())
-    assert settings.identities == IdentityRange("test", 0, 100)
-    assert settings.conditions == (Condition(1, 8.0, "frontal", "frontal", "none"),)
-    assert settings.rendering.samples_per_pixel == 512
+    settings = Design.from_config(composed())
+    assert settings.people == IdentityRange(split="test", start=0, count=100)
+    scene = Scene(preset("lighting", "frontal"), preset("pose", "frontal"))
+    assert settings.conditions == (Condition(1, scene, "none", 8.0),)
+    assert settings.quality.samples_per_pixel == 512
 
 
 def test_demo_has_24_identities_and_all_six_methods() -> None:
     with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        settings = verification_settings(compose("demo"))
-    assert settings.identities.count == 24
-    assert len(settings.methods) == 6
+        settings = Design.from_config(compose("demo"))
+    assert settings.people.count == 24
+    assert len(settings.upscalers) == 6
 
 
 def test_probes_have_the_lens_and_the_standpoint_that_were_asked_for() -> None:
-    settings = verification_settings(composed("lens=single", "standpoint=scface_far"))
-    assert settings.lens == find_lens("single")
-    assert settings.standpoint == find_standpoint("scface_far")
-    assert verification_settings(composed()).lens == find_lens("pinhole")
+    settings = Design.from_config(composed("lens=single", "standpoint=scface_far"))
+    (condition,) = settings.conditions
+    assert condition.scene is not None
+    assert condition.scene.lens == preset("lens", "single")
+    assert condition.scene.standpoint == preset("standpoint", "scface_far")
+    assert settings.gallery.scene.lens == preset("lens", "pinhole")
 
 
 def test_conditions_are_sizes_times_options() -> None:
-    settings = verification_settings(composed("ipd_px=[8,11]", "options=[1,6]"))
+    settings = Design.from_config(composed("ipd_px=[8,11]", "options=[1,6]"))
     assert [(c.ipd_px, c.option) for c in settings.conditions] == [(8, 1), (8, 6), (11, 1), (11, 6)]
     assert settings.conditions[1].pose == "left"
 
@@ -63,7 +59,7 @@ def test_conditions_are_sizes_times_options() -> None:
         ("level=1.5", "level=1.5: wanted between 0 and 1"),
         ("level=high", "level=high"),
         ("seed=0.5", "seed=0.5: wanted a whole number"),
-        ("ipd_px=2", "ipd_px=2.0: wanted at least 4"),
+        ("ipd_px=2", "ipd_px=2: wanted at least 4"),
         ("ipd_px=wide", "ipd_px=wide"),
         ("identities.count=1", "identities.count=1: wanted at least 2"),
         ("identities.start=-1", "identities.start=-1"),
@@ -81,7 +77,7 @@ def test_conditions_are_sizes_times_options() -> None:
 )
 def test_a_wrong_value_names_the_setting_and_the_remedy(override: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
-        verification_settings(composed(override))
+        Design.from_config(composed(override))
 
 
 @pytest.fixture
@@ -92,8 +88,8 @@ def roster(tmp_path: Path) -> Path:
 
 def test_a_roster_says_who_was_redrawn(roster: Path) -> None:
     words = [f"identities.roster={roster}", "identities/population=women", "identities.count=30"]
-    people = verification_settings(composed(*words)).identities
-    assert [people.cast.draw("test", index) for index in (2, 3, 4)] == [0, 2, 0]
+    people = Design.from_config(composed(*words)).people
+    assert [people.person(index).draw for index in (2, 3, 4)] == [0, 2, 0]
 
 
 @pytest.mark.parametrize(
@@ -107,23 +103,45 @@ def test_a_roster_says_who_was_redrawn(roster: Path) -> None:
 def test_a_roster_that_does_not_fit_is_refused(roster: Path, override: str, says: str) -> None:
     words = [f"identities.roster={roster}", "identities.sex=female", "identities.count=30"]
     with pytest.raises(InputError, match=says):
-        verification_settings(composed(*words, override))
+        Design.from_config(composed(*words, override))
 
 
 @pytest.mark.parametrize("option", ["everybody", "women", "men", "young", "elderly"])
 def test_every_shipped_population_exists(option: str) -> None:
-    people = verification_settings(composed(f"identities/population={option}")).identities
+    people = Design.from_config(composed(f"identities/population={option}")).people
     assert (people.cast.population.tag == "") == (option == "everybody")
 
 
 def test_an_unknown_compression_is_refused() -> None:
     with pytest.raises(InputError, match="compression=zip: wanted one of"):
-        replace(Condition(1, 8.0, "frontal", "frontal", "none"), compression="zip")
+        Condition(1, Scene(preset("lighting", "above")), "zip", 8.0)
+
+
+def test_a_condition_is_changed_and_added_on_its_own() -> None:
+    words = ["conditions.1.pose=down", "+conditions.7={lighting: side}", "options=[1,7]"]
+    one, seven = Design.from_config(composed(*words)).conditions
+    assert (one.pose, one.lighting, one.compression) == ("down", "frontal", "none")
+    assert (seven.option, seven.pose, seven.lighting) == (7, "frontal", "side")
+
+
+def test_a_condition_may_have_angles_of_its_own() -> None:
+    (condition,) = Design.from_config(composed("conditions.1.pose={yaw_deg: 12}")).conditions
+    assert condition.scene is not None
+    assert condition.scene.pose == Pose("own", yaw_deg=12.0)
 
 
 @pytest.mark.parametrize(
-    ("schema", "key"),
-    [(IdentityRange, "identities"), (GallerySettings, "gallery"), (RenderingSettings, "rendering")],
+    ("words", "says"),
+    [
+        (["+conditions.1.jaw=3"], "conditions.1=jaw: wanted no such setting; there are pose"),
+        (["conditions.1.pose=sideways"], "pose=sideways: there is none; choose one of"),
+        (["conditions.1.pose=lefft"], "pose=lefft: there is none; did you mean left"),
+        (["methods=[base,magic]"], "sr=magic: there is none"),
+        (["+sr.mine.weights=x.ckpt"], "mine among them, as sr.mine is given"),
+        (["recognition.landmarks=own"], "recognition.landmarks=own: wanted shared"),
+        (["probes.folder=nowhere"], "nowhere is no folder"),
+    ],
 )
-def test_a_section_of_the_shipped_configuration_has_every_field(schema: type, key: str) -> None:
-    assert isinstance(section(schema, composed(), key), schema)
+def test_what_nothing_would_read_is_refused(words: list[str], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        Design.from_config(composed(*words))

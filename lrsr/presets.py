@@ -1,0 +1,93 @@
+"""How does the name of a preset become a value? Once, by its file in ``conf``."""
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import Any
+
+from lrsr.errors import InputError
+from lrsr.paths import config_folder
+
+_PLAIN = {"pose": "frontal", "lighting": "frontal", "lens": "pinhole", "standpoint": "level"}
+"""What a mapping without ``_target_`` changes."""
+
+
+def preset(group: str, name: str, **changes: Any) -> Any:
+    """Build what ``conf/GROUP/NAME.yaml`` describes: where a name becomes a value.
+
+    Args:
+        group: Folder below ``conf``, e.g. ``pose`` or ``rendering/skin``.
+        name: Of the file, without ``.yaml``.
+        changes: Fields to replace.
+
+    Raises:
+        InputError: There is no such preset, or a field that it does not know.
+
+    Example:
+        >>> preset("pose", "left", pitch_deg=5)
+        Pose(name='left', yaw_deg=30.0, pitch_deg=5.0, roll_deg=0.0)
+    """
+    from omegaconf import OmegaConf  # and Hydra below: a quarter of a second where it is used
+
+    known = presets(group)
+    if name not in known:
+        near = get_close_matches(str(name), known, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(known)}"
+        raise InputError(f"{group}={name}: there is none; {hint}")
+    return build(OmegaConf.merge(_read_preset(group, name), changes), group)
+
+
+def presets(group: str) -> list[str]:
+    """Name what there is in a folder below ``conf``."""
+    return sorted(path.stem for path in (config_folder() / group).glob("*.yaml"))
+
+
+def _read_preset(group: str, name: str) -> Any:
+    """Read a file of a group over those of its own folder that its defaults list names."""
+    from omegaconf import OmegaConf
+
+    node: Any = OmegaConf.load(config_folder() / group / f"{name}.yaml")
+    bases = [base for base in node.pop("defaults", []) if base != "_self_"]
+    return OmegaConf.merge(*(_read_preset(group, base) for base in bases), node)
+
+
+def value_of(group: str, node: Any) -> Any:
+    """Build a value from its preset's name, from a mapping with ``_target_``, or from changes.
+
+    Raises:
+        InputError: See :func:`preset`.
+    """
+    if isinstance(node, str):
+        return preset(group, node)
+    if isinstance(node, Mapping) and "_target_" not in node and group in _PLAIN:
+        return preset(group, _PLAIN[group], **{"name": "own", **node})
+    return build(node, group)
+
+
+def build(node: Any, name: str, **more: Any) -> Any:
+    """Call what a node's ``_target_`` names; ``name`` is what messages call the node.
+
+    Args:
+        node: With ``_target_``, or with nodes that have one.
+        name: What messages call it.
+        more: Arguments that are values already.
+
+    Raises:
+        InputError: The node has a field that its target does not take, or a value is wrong.
+        TypeError: What it names has a fault of its own, as in the next line.
+        InstantiationException: It has raised something else.
+    """
+    from hydra.errors import InstantiationException
+    from hydra.utils import instantiate
+
+    try:
+        if not more:
+            return instantiate(node)
+        return instantiate(node, _partial_=True)(**more)  # Hydra would make nodes of the values
+    except (InstantiationException, TypeError) as error:
+        cause = error.__cause__ if isinstance(error, InstantiationException) else error
+        if isinstance(cause, InputError):
+            raise cause from None
+        if isinstance(cause, TypeError) and "argument" in str(cause):
+            reason = str(cause).split(") ", 1)[-1].split("() ", 1)[-1]
+            raise InputError(f"{name}: {reason}; --cfg job prints what there is") from error
+        raise

@@ -1,0 +1,38 @@
+"""What every network of the list keeps; a new one is tested by being listed."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+import torch
+
+from lrsr.sr.networks import NETWORKS
+from lrsr.sr.networks.network import Network
+
+
+@pytest.mark.parametrize("name", NETWORKS)
+def test_network_says_what_it_takes(name: str) -> None:
+    assert issubclass(NETWORKS[name], Network)
+    assert NETWORKS[name].input in ("luminance", "rgb")
+
+
+@pytest.mark.parametrize("name", NETWORKS)
+def test_network_in_use_returns_the_whole_picture(name: str) -> None:
+    kind = NETWORKS[name]
+    network = kind(**kind.in_use)
+    channels = 1 if kind.input == "luminance" else 3
+    shape = network(torch.rand(1, channels, 9, 5)).shape
+    assert shape[1] == channels
+    assert (shape[2] / 9, shape[2] % 9) == (shape[3] / 5, shape[3] % 5)
+
+
+@pytest.mark.parametrize("name", NETWORKS)
+def test_arguments_in_use_are_plain(name: str) -> None:
+    assert json.loads(json.dumps(dict(NETWORKS[name].in_use))) == dict(NETWORKS[name].in_use)
+
+
+def test_upscaler_is_found_without_lightning() -> None:
+    """`from lrsr.sr import Upscaler` must not cost the import of a training framework."""
+    code = "import sys; from lrsr.sr import Upscaler; sys.exit('lightning' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
