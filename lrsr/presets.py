@@ -75,21 +75,29 @@ def value_of(group: str, node: Any) -> Any:
 def build(node: Any, name: str, **more: Any) -> Any:
     """Call what a node's ``_target_`` names; ``name`` is what messages call the node.
 
+    Args:
+        node: With ``_target_``, or with nodes that have one.
+        name: What messages call it.
+        more: Arguments that are values already.
+
     Raises:
         InputError: A field is missing or unknown to its target, or a value is wrong.
-        InstantiationException: The target cannot be found, or is at fault itself.
+        TypeError: The target has a fault of its own, as in the next line.
+        InstantiationException: It cannot be found, or has raised something else.
     """
     from hydra.errors import InstantiationException
     from hydra.utils import instantiate
     from omegaconf.errors import MissingMandatoryValue
 
     try:
-        return instantiate(node, **more)
+        if not more:
+            return instantiate(node)
+        return instantiate(node, _partial_=True)(**more)  # Hydra would make nodes of the values
     except MissingMandatoryValue as error:
         field = f"{name}.{str(error.full_key).removeprefix(f'{name}.')}"
         raise InputError(f"{field} must be given: add {field}=...") from error
-    except InstantiationException as error:
-        cause = error.__cause__
+    except (InstantiationException, TypeError) as error:
+        cause = error.__cause__ if isinstance(error, InstantiationException) else error
         if isinstance(cause, InputError):
             raise cause from None
         if isinstance(cause, TypeError) and "argument" in str(cause):

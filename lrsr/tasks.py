@@ -124,6 +124,46 @@ def run_fit_camera(config: "DictConfig") -> Path:
         return fit_to_folder(settings, folder, cache=_cache(config))
 
 
+def run_train(config: "DictConfig") -> Path:
+    """Train the network of ``conf/train/NAME.yaml``; see :mod:`lrsr.training.run`.
+
+    Raises:
+        InputError: A setting is wrong, or the folder holds a run that depends on something else;
+            nothing has been written by then.
+    """
+    from omegaconf import OmegaConf
+
+    if config.get("module") is None:
+        raise InputError(
+            "what to train? give one of sr=srcnn2x, sr=srcnn4x, sr=edsr2x, sr=edsr4x,"
+            " recognition=arcface"
+        )
+    from lrsr.training.lessons import read_lessons  # Lightning takes seconds
+    from lrsr.training.resume import refuse_other_run, what_matters
+    from lrsr.training.run import train
+
+    data = read_lessons(config, _cache(config))
+    plain: Any = OmegaConf.to_container(config, resolve=True)
+    depends_on = what_matters(plain) | data.about()
+    module = build(config.module, "module")
+    resume = flag(config, "resume")
+    with run_folder(config) as folder:
+        if resume:
+            refuse_other_run(folder, depends_on)
+        write_provenance(folder, config)
+        return train(
+            module,
+            data,
+            folder=folder,
+            trainer=build(config.trainer, "trainer"),
+            callbacks=list(build(config.callbacks, "callbacks").values()),
+            loggers=list(build(config.logger, "logger").values()),
+            seed=seed_of(config),
+            resume=resume,
+            depends_on=depends_on,
+        )
+
+
 def _cache(config: "DictConfig") -> "RenderCache":
     from lrsr.pictures.cache import RenderCache
 

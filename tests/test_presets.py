@@ -8,9 +8,10 @@ import pytest
 from hydra.errors import InstantiationException
 from omegaconf import OmegaConf
 
-from lrsr.configuration import build, preset, settle_numbers, value_of
+from lrsr.configuration import settle_numbers
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
+from lrsr.presets import build, preset, value_of
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light
 from lrsr.rendering.pose import Pose

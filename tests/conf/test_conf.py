@@ -8,9 +8,9 @@ from fakes.scenes import EXPRESSIONS, LENSES, LIGHTINGS, POSES, ROOMS, STANDPOIN
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
-from lrsr.configuration import preset, value_of
 from lrsr.identities.face.expression import Expression
 from lrsr.paths import config_folder
+from lrsr.presets import preset, value_of
 from lrsr.rendering.lens import Lens
 from lrsr.rendering.pose import Pose
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lrsr.configuration import preset
 from lrsr.identities.face.expression import Expression
 from lrsr.paths import config_folder
+from lrsr.presets import preset
 from lrsr.rendering.backend import start
 from lrsr.rendering.lens import Lens, biconvex
 from lrsr.rendering.lighting import Lighting

@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 from fakes.scenes import SKINS
 from hydra import compose, initialize_config_dir
-from lrsr.experiments.settings import RenderingSettings
 
 from lrsr.errors import InputError
 from lrsr.paths import config_folder

@@ -7,13 +7,13 @@ import pytest
 from fakes.scenes import EXPRESSIONS
 from numpy.typing import NDArray
 
-from lrsr.configuration import preset
 from lrsr.errors import InputError
 from lrsr.identities.face.expression import NEUTRAL, Expression, known_units
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.position_map import draw_triangles
+from lrsr.presets import preset
 
 SEEDS = (3, 8)
 

@@ -1,0 +1,126 @@
+"""What must a network say so that the one run can train it? A loss, a figure, what it leaves."""
+
+import inspect
+import math
+from abc import abstractmethod
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import torch
+from lightning.pytorch import LightningModule
+from lightning.pytorch.utilities.types import OptimizerLRScheduler
+
+from lrsr.errors import InputError, NonFiniteError
+
+MakeOptimizer = partial[torch.optim.Optimizer]
+MakeScheduler = partial[torch.optim.lr_scheduler.LRScheduler]
+
+
+class Learner(LightningModule):
+    """A network and how it learns; a subclass gives a loss and what is shipped.
+
+    A checkpoint holds the weights, the history and plain values, no object. Whatever is random in a
+    step follows from the seed and the number of the step, so that a resumed run takes the same.
+
+    Args:
+        optimizer: Makes the optimiser from :meth:`parameter_groups`.
+        scheduler: Makes the schedule of its rates from the optimiser, a step a batch; the length of
+            the run is filled in where it takes ``T_max`` or ``total_steps``. None: constant rates.
+
+    Attributes:
+        monitor: The logged figure that tells the best epoch.
+        mode: Is more better ("max") or less ("min")?
+        history: Every epoch's figures.
+    """
+
+    monitor: ClassVar[str]
+    mode: ClassVar[Literal["max", "min"]] = "max"
+
+    def __init__(self, optimizer: MakeOptimizer, scheduler: MakeScheduler | None) -> None:
+        super().__init__()
+        self.make_optimizer, self.make_scheduler = optimizer, scheduler
+        self.history: list[dict[str, float]] = []
+
+    @abstractmethod
+    def loss(self, batch: Any) -> torch.Tensor:
+        """Return the loss of a batch, a scalar."""
+
+    @abstractmethod
+    def in_words(self, figures: Mapping[str, float]) -> str:
+        """Tell an epoch's figures to somebody who waits."""
+
+    @abstractmethod
+    def ship(self, folder: Path, best: Path) -> dict[str, Any]:
+        """Write what leaves the house from the checkpoint ``best``; return more for metrics.json.
+
+        The trainer and its data are still attached.
+        """
+
+    def parameter_groups(self) -> list[dict[str, Any]]:
+        """Return the parameters in groups with settings of their own; here one group."""
+        return [{"params": list(self.parameters())}]
+
+    def is_best(self, figures: Mapping[str, float]) -> bool:
+        """Tell whether these figures are better than those of every epoch in the history."""
+        sign = 1 if self.mode == "max" else -1
+        before = [sign * epoch[self.monitor] for epoch in self.history]
+        return sign * figures[self.monitor] > max(before, default=-math.inf)
+
+    def on_train_start(self) -> None:
+        """Refuse a run that could not tell its best epoch.
+
+        Raises:
+            InputError: There is nothing to validate on.
+        """
+        if not sum(self.trainer.num_val_batches):
+            raise InputError("no image to validate on: give at least one validation identity")
+
+    def training_step(self, batch: Any, batch_idx: int) -> torch.Tensor:
+        """Return the loss of one batch.
+
+        Raises:
+            NonFiniteError: The loss is NaN or infinite; the message says at which epoch and step.
+        """
+        loss = self.loss(batch)
+        if not math.isfinite(loss.item()):
+            raise NonFiniteError(
+                f"loss is {loss.item()} at epoch {self.current_epoch}, step {self.global_step}:"
+                f" {_culprit(batch)}"
+            )
+        self.log("train/loss", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
+        return loss
+
+    def configure_optimizers(self) -> OptimizerLRScheduler:
+        """Make the optimiser and its schedule, as long as the run."""
+        optimizer = self.make_optimizer(self.parameter_groups())
+        if self.make_scheduler is None:
+            return optimizer
+        asked = inspect.signature(self.make_scheduler).parameters
+        length = {
+            name: int(self.trainer.estimated_stepping_batches)
+            for name in ("T_max", "total_steps")
+            if name in asked and asked[name].default in (None, inspect.Parameter.empty)
+        }
+        scheduler = self.make_scheduler(optimizer, **length)
+        return {
+            "optimizer": optimizer,
+            "lr_scheduler": {"scheduler": scheduler, "interval": "step"},
+        }
+
+    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Add the history."""
+        checkpoint["history"] = self.history
+
+    def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Take up the history where it stopped."""
+        self.history = list(checkpoint["history"])
+
+
+def _culprit(batch: Any) -> str:
+    for name, images in zip(("input", "target"), batch, strict=False):
+        bad = (~torch.isfinite(images)).reshape(len(images), -1).any(1).nonzero().flatten().tolist()
+        if bad:
+            return f"the {name} of patch {bad[0]} of the batch is not finite"
+    return "the patches are finite, so the weights diverged; lower the learning rate"

@@ -1,0 +1,132 @@
+"""What does a network see of a pair? Small squares, cut on one grid from both pictures.
+
+Sizes of Dong et al. 2016 (arXiv:1501.00092, section 4): 33 in, 21 out (the network pads nothing
+and loses 6 pixels on each side), stride 14.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import torch
+
+from lrsr.errors import ImageContractError
+from lrsr.images import check_images, luminance, resize_bicubic
+
+Pair = tuple[torch.Tensor, torch.Tensor]
+
+
+class Patches(Protocol):
+    """Cuts what a network takes, and what it should return, from a pair of pictures."""
+
+    def least_px(self, scale: int) -> int:
+        """Return how wide the small picture is at least."""
+
+    def cut(self, lr_srgb: torch.Tensor, hr_srgb: torch.Tensor) -> Pair:
+        """Return every whole patch of the grid, in the order of images, rows, columns.
+
+        Args:
+            lr_srgb: ``(B, 3, H, W)`` srgb, [0, 1].
+            hr_srgb: ``(B, 3, s H, s W)`` srgb, [0, 1]: the same scene on a film s times finer.
+
+        Raises:
+            ImageContractError: ``hr_srgb`` is not a whole number of times larger, or a picture is
+                smaller than a patch.
+        """
+
+
+@dataclass(frozen=True)
+class LuminancePatches:
+    """Luminance of the enlarged small picture, and of the true one a smaller square amid it.
+
+    Attributes:
+        patch_px: Side of an input patch, px of the large picture.
+        label_px: Side of a target patch; ``patch_px - label_px`` is even.
+        stride_px: From patch to patch.
+
+    Raises:
+        ImageContractError: The label is not centred.
+
+    Example:
+        >>> small, true = torch.zeros(2, 3, 32, 32), torch.zeros(2, 3, 64, 64)
+        >>> [tuple(patches.shape) for patches in LuminancePatches().cut(small, true)]
+        [(18, 1, 33, 33), (18, 1, 21, 21)]
+    """
+
+    patch_px: int = 33
+    label_px: int = 21
+    stride_px: int = 14
+
+    def __post_init__(self) -> None:
+        if (self.patch_px - self.label_px) % 2 or self.patch_px < self.label_px:
+            raise ImageContractError(
+                f"a label of {self.label_px} is not centred in a patch of {self.patch_px}"
+            )
+
+    def least_px(self, scale: int) -> int:
+        """Return how wide the small picture is at least."""
+        return -(-self.patch_px // scale)
+
+    def cut(self, lr_srgb: torch.Tensor, hr_srgb: torch.Tensor) -> Pair:
+        """Return ``(N, 1, patch_px, patch_px)`` and ``(N, 1, label_px, label_px)``."""
+        scale = _scale_of(lr_srgb, hr_srgb)
+        inputs, targets = resize_bicubic(luminance(lr_srgb), scale), luminance(hr_srgb)
+        margin = (self.patch_px - self.label_px) // 2
+        height, width = targets.shape[-2:]
+        centres = targets[..., margin : height - margin, margin : width - margin]
+        return (
+            _squares(inputs, self.patch_px, self.stride_px),
+            _squares(centres, self.label_px, self.stride_px),
+        )
+
+
+@dataclass(frozen=True)
+class RgbPatches:
+    """The small picture as it is, and the same square of the true one.
+
+    Attributes:
+        patch_px: Side of an input patch, px of the small picture.
+        stride_px: From patch to patch.
+
+    Example:
+        >>> small, true = torch.zeros(2, 3, 32, 32), torch.zeros(2, 3, 64, 64)
+        >>> [tuple(patches.shape) for patches in RgbPatches(16, 8).cut(small, true)]
+        [(18, 3, 16, 16), (18, 3, 32, 32)]
+    """
+
+    patch_px: int = 16
+    stride_px: int = 8
+
+    def least_px(self, scale: int) -> int:
+        """Return how wide the small picture is at least."""
+        return self.patch_px
+
+    def cut(self, lr_srgb: torch.Tensor, hr_srgb: torch.Tensor) -> Pair:
+        """Return ``(N, 3, patch_px, patch_px)`` and ``scale`` times that; see the base."""
+        scale = _scale_of(lr_srgb, hr_srgb)
+        return (
+            _squares(lr_srgb, self.patch_px, self.stride_px),
+            _squares(hr_srgb, scale * self.patch_px, scale * self.stride_px),
+        )
+
+
+def _scale_of(lr_srgb: torch.Tensor, hr_srgb: torch.Tensor) -> int:
+    check_images(lr_srgb, name="lr_srgb")
+    check_images(hr_srgb, name="hr_srgb")
+    height, width = lr_srgb.shape[-2:]
+    scale = hr_srgb.shape[-1] // width
+    if hr_srgb.shape[-2:] != (scale * height, scale * width) or len(lr_srgb) != len(hr_srgb):
+        raise ImageContractError(
+            f"got lr {tuple(lr_srgb.shape)} and hr {tuple(hr_srgb.shape)}: wanted one whole scale"
+        )
+    return scale
+
+
+def _squares(images: torch.Tensor, side: int, stride: int) -> torch.Tensor:
+    if min(images.shape[-2:]) < side:
+        raise ImageContractError(
+            f"got images {tuple(images.shape)}, wanted at least {side}x{side} pixels"
+        )
+    rows = images.unfold(2, side, stride).unfold(3, side, stride).permute(0, 2, 3, 1, 4, 5)
+    return rows.reshape(-1, images.shape[1], side, side).clone(
+        memory_format=torch.contiguous_format
+    )

@@ -1,0 +1,168 @@
+"""How does any super-resolution network learn? From pairs, by a pixel loss; judged in use."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import torch
+from torch.nn import functional as F
+
+from lrsr.errors import InputError, NonFiniteError
+from lrsr.evaluation.quality import psnr_y
+from lrsr.pictures.recipe import derived_seed
+from lrsr.sr.networks import NETWORKS
+from lrsr.sr.upscaler import Bicubic, Luminance, Rgb
+from lrsr.sr.weights import ENLARGED_BY, Card, read_weights, write_weights
+from lrsr.training.export import export_onnx
+from lrsr.training.learner import Learner, MakeOptimizer, MakeScheduler
+
+_LOSSES: Mapping[str, Callable[[torch.Tensor, torch.Tensor], torch.Tensor]] = {
+    "mse": F.mse_loss,
+    "l1": F.l1_loss,
+}
+Pair = tuple[torch.Tensor, torch.Tensor]
+
+
+class Restoration(Learner):
+    """Any network of :mod:`lrsr.sr.networks`, validated through the upscaler that is made of it.
+
+    A training batch is what the network takes and should return, see :mod:`lrsr.training.patches`;
+    a validation batch is srgb, ``(1, 3, H, W)`` small and ``(1, 3, scale H, scale W)`` true.
+
+    Args:
+        architecture: Name of the network.
+        scale: How much larger the result is.
+        loss: "mse" or "l1".
+        optimizer: See :class:`Learner`.
+        scheduler: See :class:`Learner`.
+        arguments: Of the network's class; they travel with the weights.
+        slower: Parts of the network that learn at a fraction of the rate, and the fraction.
+        turned: Show each batch turned and mirrored at random; for networks without a border.
+        lr_made_by: How the small images were made, in words; kept with the weights, for they serve
+            no other input.
+        seed: Of the first weights and of the turning, any whole number.
+
+    Raises:
+        InputError: There is no such network, loss or part of the network.
+    """
+
+    monitor = "val/psnr_y_db"
+
+    def __init__(
+        self,
+        *,
+        architecture: str,
+        scale: int,
+        loss: str,
+        optimizer: MakeOptimizer,
+        scheduler: MakeScheduler | None = None,
+        arguments: Mapping[str, Any] = MappingProxyType({}),
+        slower: Mapping[str, float] = MappingProxyType({}),
+        turned: bool = False,
+        lr_made_by: str = "rendered",
+        seed: int = 0,
+    ) -> None:
+        super().__init__(optimizer, scheduler)
+        for name, value, known in (
+            ("architecture", architecture, NETWORKS),
+            ("loss", loss, _LOSSES),
+        ):
+            if value not in known:
+                raise InputError(f"module.{name}={value}: wanted one of {', '.join(known)}")
+        self.distance, self.slower, self.turned, self.seed = _LOSSES[loss], slower, turned, seed
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(derived_seed(seed, "weights"))
+            network = NETWORKS[architecture](**arguments)
+        self.network = network.to(memory_format=torch.channels_last)
+        self.card = Card(
+            architecture=architecture,
+            arguments=dict(arguments),
+            scale=scale,
+            input=network.input,
+            lr_made_by=lr_made_by,
+            enlarged_by=ENLARGED_BY if network.input == "luminance" else "",
+        )
+        for part in slower:
+            if part not in dict(network.named_children()):
+                raise InputError(f"module.slower={part}: {architecture} has no such part")
+
+    def loss(self, batch: Pair) -> torch.Tensor:
+        """Return the pixel loss of ``(B, C, h, w)`` inputs and their targets."""
+        inputs, targets = self._turn(batch) if self.turned else batch
+        restored = self.network(inputs.contiguous(memory_format=torch.channels_last))
+        return self.distance(restored.float(), targets)
+
+    def _turn(self, batch: Pair) -> Pair:
+        step = derived_seed(self.seed, "turned", self.global_step)
+        quarters, mirrored = divmod(step % 8, 2)
+        inputs, targets = (torch.rot90(x, quarters, (2, 3)) for x in batch)
+        return (inputs.flip(-1), targets.flip(-1)) if mirrored else (inputs, targets)
+
+    def parameter_groups(self) -> list[dict[str, Any]]:
+        """Return a group for each part that learns more slowly, and one for the rest."""
+        rate = self.make_optimizer.keywords["lr"]
+        groups = [
+            {"params": [*getattr(self.network, part).parameters()], "lr": rate * share}
+            for part, share in self.slower.items()
+        ]
+        apart = {id(p) for group in groups for p in group["params"]}
+        rest = [p for p in self.network.parameters() if id(p) not in apart]
+        return [{"params": rest}, *groups]
+
+    def on_validation_start(self) -> None:
+        """Make of the network what is made of it in use."""
+        kind = type(self.network)
+        with torch.device(self.device), torch.random.fork_rng(devices=[]):
+            used = kind(**{**self.card.arguments, **kind.in_use})
+        used.load_state_dict(self.network.state_dict())
+        wrapper = Luminance if kind.input == "luminance" else Rgb
+        self._upscaler = wrapper(used.eval(), self.card, device=str(self.device))
+
+    def validation_step(self, batch: Pair, batch_idx: int) -> None:
+        """Log PSNR and the gain over bicubic, both on luminance, means over images.
+
+        Raises:
+            NonFiniteError: A restored image holds a NaN.
+        """
+        small, true = batch
+        with torch.autocast(self.device.type, enabled=False):
+            restored = self._upscaler(small)
+        if not bool(torch.isfinite(restored).all()):
+            raise NonFiniteError(f"a restored image is NaN at epoch {self.current_epoch}")
+        scale = self.card.scale
+        psnr_db, bicubic_db = (
+            psnr_y(image.numpy(force=True), true.numpy(force=True), shave=scale)
+            for image in (restored, Bicubic(scale)(small))
+        )
+        figures = {"psnr_y_db": psnr_db, "bicubic_psnr_y_db": bicubic_db}
+        figures["gain_over_bicubic_db"] = psnr_db - bicubic_db
+        for name, value in figures.items():
+            self.log(f"val/{name}", float(np.mean(value)), batch_size=len(true))
+
+    def in_words(self, figures: Mapping[str, float]) -> str:
+        """Tell the PSNR and the gain over bicubic."""
+        gain_db = figures["val/gain_over_bicubic_db"]
+        return f"PSNR-Y {figures['val/psnr_y_db']:.2f} dB, {gain_db:+.2f} dB over bicubic"
+
+    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Add the history and what the weights are for."""
+        super().on_save_checkpoint(checkpoint)
+        checkpoint["card"] = self.card.as_text()
+
+    def ship(self, folder: Path, best: Path) -> dict[str, Any]:
+        """Write model.safetensors and model.onnx."""
+        network, card = read_weights(best)
+        write_weights(folder / "model.safetensors", network, card)
+        channels = 1 if card.input == "luminance" else 3
+        export_onnx(
+            folder / "model.onnx",
+            network,
+            shapes=[(2, channels, 24, 20), (1, channels, 32, 32), (2, channels, 13, 40)],
+            names=(card.input, "restored"),
+            free={0: "N", 2: "H", 3: "W"},
+            about=card.as_text(),
+        )
+        return {"card": asdict(card)}

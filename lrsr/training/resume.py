@@ -1,0 +1,103 @@
+"""May a run go on in this folder? Only if nothing that the weights depend on has changed.
+
+Everything in the configuration counts but what :data:`IRRELEVANT` lists, so that a setting added
+tomorrow counts too.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from lrsr.errors import InputError
+from lrsr.sr.weights import read_checkpoint
+from lrsr.training.precision import choose_precision
+
+#: What cannot change a weight: where things lie, how a run is told and when it goes on. A roster
+#: counts by the people in it, wherever its file lies.
+IRRELEVANT = (
+    "callbacks.progress",
+    "hydra",
+    "identities.roster",
+    "logger",
+    "paths",
+    "resume",
+    "trainer.log_every_n_steps",
+)
+_PRODUCTS = ("last.ckpt", "best.ckpt", "model.onnx", "model.toml", "model.safetensors")
+_LONGEST = 60
+
+
+def what_matters(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the weights depend on, by its dotted name.
+
+    Args:
+        config: The whole configuration in plain values, resolved.
+
+    Example:
+        >>> what_matters({"seed": 0, "paths": {"run": "x"}, "trainer": {"max_epochs": 4}})
+        {'seed': 0, 'trainer.max_epochs': 4}
+    """
+    flat = dict(_flat(config))
+    if flat.get("trainer.precision") == "auto":  # on another machine it may be another
+        flat["trainer.precision"], _ = choose_precision(flat["trainer.accelerator"])
+    return {
+        name: value
+        for name, value in flat.items()
+        if not any(name == other or name.startswith(f"{other}.") for other in IRRELEVANT)
+    }
+
+
+def refuse_other_run(folder: Path, depends_on: Mapping[str, Any]) -> None:
+    """Let only the same run go on in a folder; nothing is written here.
+
+    Args:
+        folder: Of the run.
+        depends_on: What its weights depend on, in plain values.
+
+    Raises:
+        InputError: The folder holds a run that depends on something else, or a broken checkpoint.
+    """
+    last = folder / "last.ckpt"
+    source = last if last.is_file() else folder / "metrics.json"
+    before = read_checkpoint(last).get("depends_on", {}) if last.is_file() else _begun(source)
+    if before is None:
+        return
+    now = json.loads(json.dumps(dict(depends_on)))  # lists for tuples, as the record has them
+    missing = "(none)"
+    for name in [*now, *(name for name in before if name not in now)]:
+        old, new = before.get(name, missing), now.get(name, missing)
+        if old != new:
+            raise InputError(
+                f"{source} was trained with {name}={_short(old)}, this run has"
+                f" {name}={_short(new)}: choose another folder with"
+                " paths.run=..., the same setting, or resume=false to begin again"
+            )
+
+
+def forget(folder: Path) -> None:
+    """Remove what an earlier run left in its folder, so that nothing of it is taken for the new."""
+    for name in (*_PRODUCTS, "metrics.json"):
+        (folder / name).unlink(missing_ok=True)
+
+
+def _begun(path: Path) -> dict[str, Any] | None:
+    """Return what a run that has no checkpoint yet depends on; None if there is no such run."""
+    try:
+        begun: dict[str, Any] | None = json.loads(path.read_text()).get("settings")
+    except (OSError, ValueError, AttributeError):
+        return None
+    return begun
+
+
+def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for name, value in values.items():
+        if isinstance(value, Mapping) and value:
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
+
+
+def _short(value: object) -> str:
+    text = str(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."

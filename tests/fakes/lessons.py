@@ -1,0 +1,139 @@
+"""Lessons that take milliseconds: drawn pictures, halved; painted faces. For every training test."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from lightning.pytorch import LightningDataModule, Trainer
+from torch.utils.data import DataLoader, TensorDataset
+
+from lrsr.images import resize_bicubic
+from lrsr.training.degradation import Degradation
+from lrsr.training.faces import draw_views
+from lrsr.training.identification import Identification
+from lrsr.training.order import EpochOrder
+from lrsr.training.patches import LuminancePatches, Pair, Patches
+from lrsr.training.restoration import Restoration
+
+cosine = partial(torch.optim.lr_scheduler.CosineAnnealingLR)
+quiet = partial(Trainer, accelerator="cpu", devices=1, log_every_n_steps=1)
+
+
+def draw_pictures(count: int, size: int, seed: int) -> torch.Tensor:
+    """Discs with sharp edges, (count, 3, size, size) srgb."""
+    generator = torch.Generator().manual_seed(seed)
+    y, x = torch.meshgrid(torch.arange(size), torch.arange(size), indexing="ij")
+    pictures = torch.full((count, 3, size, size), 0.5)
+    for picture in pictures:
+        for _ in range(12):
+            cx, cy, r, *tone = torch.rand(6, generator=generator).tolist()
+            inside = (x - cx * size) ** 2 + (y - cy * size) ** 2 < (0.05 + 0.15 * r) ** 2 * size**2
+            picture[:, inside] = 0.07 + 0.85 * torch.tensor(tone)[:, None]
+    return pictures
+
+
+class SyntheticPairs(LightningDataModule):
+    """Pictures, shrunk to half, and as they were."""
+
+    def __init__(
+        self, *, batch_size: int = 16, count: int = 4, patches: Patches | None = None
+    ) -> None:
+        super().__init__()
+        self.batch_size = batch_size
+        cut = (patches or LuminancePatches()).cut
+        self.train_pairs = cut(*self._pairs(count, 62, seed=1))
+        self.val_pairs = self._pairs(2, 48, seed=2)
+
+    @staticmethod
+    def _pairs(count: int, size: int, seed: int) -> Pair:
+        true = draw_pictures(count, size, seed)
+        return resize_bicubic(true, 0.5).clamp(0, 1), true
+
+    def train_dataloader(self) -> DataLoader[Any]:
+        data = TensorDataset(*self.train_pairs)
+        rows = np.arange(len(data))
+        order = EpochOrder(lambda rng: rows.copy(), batch_size=self.batch_size, seed=0)
+        return DataLoader(data, sampler=order, batch_size=None)
+
+    def val_dataloader(self) -> DataLoader[Any]:
+        return DataLoader(TensorDataset(*self.val_pairs), batch_size=1)
+
+
+class PaintedFaces(LightningDataModule):
+    """Smooth random faces of a few people, in two guises each."""
+
+    def __init__(self, people: int = 4) -> None:
+        super().__init__()
+        tones = torch.rand(people, 3, 5, 5, generator=torch.Generator().manual_seed(0))
+        faces = torch.nn.functional.interpolate(tones, size=(112, 112), mode="bilinear")
+        self.crops = faces.mul(255).to(torch.uint8)
+        self.people = torch.arange(people).repeat(2)
+        self.sharp = torch.arange(2 * people) < people
+
+    def train_dataloader(self) -> DataLoader[Any]:
+        data = TensorDataset(self.crops.repeat(2, 1, 1, 1), self.people, self.sharp)
+        draw = partial(draw_views, self.people.numpy(), self.sharp.numpy(), 2)
+        return DataLoader(data, sampler=EpochOrder(draw, batch_size=4, seed=0), batch_size=None)
+
+    def val_dataloader(self) -> DataLoader[Any]:
+        sets: Any = [("gallery", self.crops), ("ipd8", self.crops // 2)]
+        return DataLoader(sets, batch_size=None)
+
+
+def make_srcnn(*, lr: float = 1e-3, scheduler: Any = cosine, seed: int = 0) -> Restoration:
+    return Restoration(
+        architecture="srcnn",
+        arguments={"initialisation": "near-identity"},
+        scale=2,
+        loss="mse",
+        optimizer=partial(torch.optim.Adam, lr=lr),
+        scheduler=scheduler,
+        slower={"reconstruct": 0.1},
+        seed=seed,
+    )
+
+
+def make_edsr(**settings: Any) -> Restoration:
+    return Restoration(
+        architecture="edsr",
+        arguments={"scale": 2, "blocks": 1, "features": 8, "initialisation": "near-bicubic"},
+        scale=2,
+        loss="l1",
+        optimizer=partial(torch.optim.Adam, lr=1e-3),
+        scheduler=cosine,
+        **settings,
+    )
+
+
+def make_arcface(people: int = 4, *, seed: int = 0) -> Identification:
+    return Identification(
+        people=people,
+        optimizer=partial(torch.optim.AdamW, lr=3e-3, weight_decay=0.05),
+        scheduler=partial(
+            torch.optim.lr_scheduler.OneCycleLR, max_lr=3e-3, pct_start=0.15, cycle_momentum=False
+        ),
+        degradation=Degradation(),
+        seed=seed,
+    )
+
+
+def train_fake(network: str, folder: str, epochs: int) -> None:
+    """Train one of the fakes; what a process that is going to be killed runs."""
+    from lrsr.training.progress import Progress
+    from lrsr.training.run import train
+
+    torch.set_num_threads(1)
+    module, data = {
+        "srcnn": lambda: (make_srcnn(), SyntheticPairs()),
+        "arcface": lambda: (make_arcface(), PaintedFaces()),
+    }[network]()
+    train(
+        module,
+        data,
+        folder=Path(folder),
+        trainer=partial(quiet, max_epochs=epochs),
+        callbacks=[Progress()],
+        depends_on={"network": network, "epochs": epochs},
+    )
