@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from lrsr.data.png import write_png
 from PIL import Image
 
 from lrsr.errors import InputError
