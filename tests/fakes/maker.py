@@ -6,8 +6,8 @@ from collections.abc import Mapping
 import numpy as np
 import torch
 
-from lrsr.data.recipe import ProbeRecipe, derived_seed
 from lrsr.identities.head import Head
+from lrsr.pictures.recipe import Recipe, derived_seed
 from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance
 
@@ -18,34 +18,28 @@ class FakeMaker:
     def __init__(self, delay_s: float = 0.0) -> None:
         self.delay_s = delay_s
         self.heads: list[str] = []
-        self.renders: list[ProbeRecipe] = []
+        self.renders: list[Recipe] = []
         self.versions: Mapping[str, str] = {"identities": "1", "renderer": "1", "variant": "fake"}
 
-    def head(self, recipe: ProbeRecipe) -> Head:
-        self.heads.append(recipe.identity_id)
-        return Head(recipe.identity_id, (), np.zeros((2, 3)), np.zeros((5, 3)))
+    def head(self, recipe: Recipe) -> Head:
+        self.heads.append(recipe.person.id)
+        return Head(recipe.person.id, (), np.zeros((2, 3)), np.zeros((5, 3)))
 
-    def render(self, head: Head, recipe: ProbeRecipe) -> Radiance:
-        assert head.identity_id == recipe.identity_id
+    def render(self, head: Head, recipe: Recipe) -> Radiance:
+        assert head.identity_id == recipe.person.id
         time.sleep(self.delay_s)
         self.renders.append(recipe)
-        pose = recipe.pose if isinstance(recipe.pose, str) else recipe.pose.name
-        lighting = recipe.lighting if isinstance(recipe.lighting, str) else recipe.lighting.name
-        what = derived_seed(0, recipe.identity_id, recipe.pose, recipe.lighting)
-        channels = recipe.bands or 3
-        noise = torch.rand(1, channels, 8, 8, generator=torch.Generator().manual_seed(what))
-        side = 4 * round(recipe.ipd_px) * recipe.scale
-        film = torch.nn.functional.interpolate(noise, size=(side, side), mode="bilinear")
+        scene, film = recipe.scene, recipe.film
+        what = derived_seed(0, recipe.person.id, scene.pose.name, scene.lighting.name)
+        noise = torch.rand(1, film.bands or 3, 8, 8, generator=torch.Generator().manual_seed(what))
+        side = 4 * round(film.ipd_px) * film.scale
+        image = torch.nn.functional.interpolate(noise, size=(side, side), mode="bilinear")
         return Radiance(
-            image=film[0] * 2.0,
-            landmarks_px=torch.arange(10.0).reshape(5, 2) * recipe.scale,
-            ipd_px=recipe.ipd_px,
-            scale=recipe.scale,
+            image=image[0] * 2.0,
+            landmarks_px=torch.arange(10.0).reshape(5, 2) * film.scale,
+            ipd_px=film.ipd_px,
+            scale=film.scale,
             metered=2.0,
-            seed=recipe.seed,
-            identity_id=recipe.identity_id,
-            pose=pose,
-            lighting=lighting,
-            edges_nm=band_edges(recipe.bands) if recipe.bands else None,
-            metered_bands=(1.0,) * recipe.bands if recipe.bands else None,
+            edges_nm=band_edges(film.bands) if film.bands else None,
+            metered_bands=(1.0,) * film.bands if film.bands else None,
         )

@@ -6,8 +6,8 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from lrsr.data.recipe import ProbeRecipe
 from lrsr.identities.head import Head
+from lrsr.pictures.recipe import Recipe
 from lrsr.recognition.alignment import TEMPLATE_PX
 from lrsr.rendering.geometry import film_size_px
 from lrsr.rendering.radiance import Radiance
@@ -18,30 +18,27 @@ class PaintedMaker:
 
     versions: Mapping[str, str] = {"painted": "1"}
 
-    def head(self, recipe: ProbeRecipe) -> Head:
+    def head(self, recipe: Recipe) -> Head:
         pupils = np.array([[-32.0, 0, 0], [32.0, 0, 0]])
-        return Head(recipe.identity_id, (), pupils, np.zeros((5, 3)))
+        return Head(recipe.person.id, (), pupils, np.zeros((5, 3)))
 
-    def render(self, head: Head, recipe: ProbeRecipe) -> Radiance:
+    def render(self, head: Head, recipe: Recipe) -> Radiance:
         generator = torch.Generator().manual_seed(
-            {"train": 0, "validation": 10**6, "test": 2 * 10**6}[recipe.split] + recipe.index
+            {"train": 0, "validation": 10**6, "test": 2 * 10**6}[recipe.person.split]
+            + recipe.person.index
         )
         tones = torch.rand(1, 3, 6, 6, generator=generator)
-        side = film_size_px(recipe.ipd_px) * recipe.scale
+        side = film_size_px(recipe.film.ipd_px) * recipe.film.scale
         image = F.interpolate(tones, size=(side, side), mode="bilinear")[0]
         noise = torch.Generator().manual_seed(recipe.seed)
         image = image + 0.02 * torch.rand(3, side, side, generator=noise)
-        ipd = recipe.ipd_px * recipe.scale
+        ipd = recipe.film.ipd_px * recipe.film.scale
         template_ipd = np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0])
         points = (TEMPLATE_PX - 55.5) * ipd / template_ipd + side / 2 - 0.5
         return Radiance(
             image=image,
             landmarks_px=torch.from_numpy(points.astype(np.float32)),
-            ipd_px=recipe.ipd_px,
-            scale=recipe.scale,
+            ipd_px=recipe.film.ipd_px,
+            scale=recipe.film.scale,
             metered=1.0,
-            seed=recipe.seed,
-            identity_id=recipe.identity_id,
-            pose="painted",
-            lighting="painted",
         )

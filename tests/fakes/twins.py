@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Any
 
 from fakes.painted import PaintedMaker
-
 from lrsr.data.recipe import ProbeRecipe
+
 from lrsr.evaluation.distinctness import Drawn
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import RECIPE_VERSION
