@@ -4,4 +4,4 @@ Importing this package is cheap: every part (and the heavy library at home in it
 name, as in ``from lrsr.rendering import render``.
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"

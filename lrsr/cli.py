@@ -238,43 +238,17 @@ def _given_camera(text: str, scratch: Path) -> str:
     text = text[1:-1] if text[:1] in {'"', "'"} and text[-1:] == text[:1] else text
     if os.sep not in text and not text.lower().endswith((".yaml", ".yml")):
         return text
-    path = user_path(text)
-    if not path.is_file():
-        is_what = "a folder" if path.is_dir() else "no such file"
-        raise InputError(f"camera={text}: {is_what}; give a preset's name or its .yaml file")
-    _check_targets(path)
+    from omegaconf import OmegaConf  # and what it needs only for such a file
+
+    from lrsr.camera.preset_file import read_preset_file
+
+    settings = read_preset_file(user_path(text))
     folder = scratch / "camera"
     folder.mkdir(exist_ok=True)
     option = f"given_file_{len(list(folder.iterdir()))}"  # no shipped preset's name
-    (folder / f"{option}.yaml").write_bytes(path.read_bytes())
+    content = OmegaConf.to_yaml(OmegaConf.create(settings))
+    (folder / f"{option}.yaml").write_text(content, encoding="utf-8")
     return option
-
-
-def _check_targets(path: Path) -> None:
-    """Let a file that may come from anybody build parts of a camera and call nothing else.
-
-    Raises:
-        InputError: A ``_target_`` lies outside ``lrsr.camera``.
-    """
-    from omegaconf import OmegaConf  # and what it needs only for such a file
-
-    try:
-        pending: list[Any] = [OmegaConf.to_container(OmegaConf.load(path), resolve=False)]
-    except Exception as error:  # whatever YAML's and OmegaConf's parsers raise
-        raise InputError(f"camera={path}: no configuration: {str(error).splitlines()[0]}") from None
-    while pending:
-        node = pending.pop()
-        if isinstance(node, dict):
-            target = node.get("_target_", "lrsr.camera.")
-            if not str(target).startswith("lrsr.camera."):
-                raise InputError(
-                    f"camera={path}: {target!r} builds no part of lrsr.camera; remove it"
-                )
-            pending += node.values()
-        elif isinstance(node, list):
-            pending += node
-        elif "${" in str(node):
-            raise InputError(f"camera={path}: {node!r} is computed; write the value itself")
 
 
 def _task(path: str, failures: list[Exception]) -> "Callable[[DictConfig], None]":

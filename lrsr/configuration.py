@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import datetime
 from numbers import Integral, Real
 from pathlib import Path
@@ -77,7 +77,7 @@ def number(config: "DictConfig", key: str) -> float:
     Raises:
         InputError: It is none.
     """
-    return asas_number(config[key], key)
+    return as_number(config[key], key)
 
 
 def whole_number(config: "DictConfig", key: str) -> int:
@@ -86,7 +86,7 @@ def whole_number(config: "DictConfig", key: str) -> int:
     Raises:
         InputError: It is none.
     """
-    return asas_whole(config[key], key)
+    return as_whole(config[key], key)
 
 
 def seed_of(config: "DictConfig") -> int:
@@ -184,9 +184,10 @@ def as_number(value: object, name: str) -> float:
         >>> as_number(8, "ipd_px")
         8.0
     """
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise InputError(f"{name}={_typed(value)}: wanted a number")
-    return float(value)
+    with suppress(OverflowError):  # of a whole number of 310 digits
+        if not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value):
+            return float(value)
+    raise InputError(f"{name}={_typed(value)}: wanted a number")
 
 
 def as_whole(value: object, name: str) -> int:

@@ -9,9 +9,10 @@ import importlib
 import logging
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import torch
@@ -19,10 +20,15 @@ from numpy.typing import NDArray
 
 from lrsr.errors import InputError
 
-CPU = ("CPUExecutionProvider",)
+_CPU = ("CPUExecutionProvider",)
 
-#: Tables of a contract; a field is given by its type, or by the value it has when left out.
-Fields = Mapping[str, Mapping[str, Any]]
+#: None: any size.
+_Shape = tuple[int | None, ...]
+
+#: The names of a contract's fields, by table; "" is the top of the file.
+_Tables = Mapping[str, Sequence[str]]
+
+_Declared = TypeVar("_Declared")
 
 log = logging.getLogger(__name__)
 
@@ -30,14 +36,14 @@ log = logging.getLogger(__name__)
 def providers_on(device: str) -> tuple[str, ...]:
     """Return who computes: CUDA where it is asked for ("cuda") and there, else the CPU."""
     if not device.startswith("cuda"):
-        return CPU
+        return _CPU
     if "CUDAExecutionProvider" in importlib.import_module("onnxruntime").get_available_providers():
-        return ("CUDAExecutionProvider", *CPU)
+        return ("CUDAExecutionProvider", *_CPU)
     log.warning("device=%s: this onnxruntime has no CUDA, so its networks run on the CPU", device)
-    return CPU
+    return _CPU
 
 
-def open_session(model: Path, providers: Sequence[str] = CPU) -> Any:
+def open_session(model: Path, providers: Sequence[str] = _CPU) -> Any:
     """Open an ONNX file for running, on as many threads as torch has.
 
     Args:
@@ -57,13 +63,10 @@ def open_session(model: Path, providers: Sequence[str] = CPU) -> Any:
     options.intra_op_num_threads = torch.get_num_threads()
     options.log_severity_level = 3
     try:
-        return onnxruntime.InferenceSession(
-            str(model), sess_options=options, providers=list(providers)
-        )
+        return onnxruntime.InferenceSession(str(model), options, providers=list(providers))
     except Exception as error:  # onnxruntime's own classes share no public base
-        raise InputError(
-            f"{model}: not a usable ONNX model ({_reason(error)}); get it again"
-        ) from error
+        why = _reason(error)
+        raise InputError(f"{model}: not a usable ONNX model ({why}); get it again") from error
 
 
 def run_session(
@@ -94,19 +97,13 @@ def run_session(
             for start in range(0, len(inputs), size)
         ]
     except Exception as error:  # as above
-        raise InputError(
-            f"{model}: cannot take an input of {inputs.shape[1:]} ({_reason(error)}); mend its"
-            " contract or give another model"
-        ) from error
+        got, why = inputs.shape[1:], _reason(error)
+        raise InputError(f"{model}: cannot take an input of {got} ({why}); mend it") from error
     return np.concatenate(parts)[:count].astype(np.float32, copy=False)
 
 
 def check_graph(
-    session: Any,
-    model: Path,
-    what: str,
-    takes: tuple[tuple[int | None, ...], str],
-    returns: tuple[tuple[int | None, ...], str],
+    session: Any, model: Path, what: str, takes: _Shape, returns: _Shape, words: tuple[str, str]
 ) -> None:
     """Hold a graph against its contract.
 
@@ -114,8 +111,9 @@ def check_graph(
         session: Of :func:`open_session`.
         model: Its file, for messages.
         what: What it should be, for messages.
-        takes: Shape of the input, None where any size will do, and the contract's words for it.
+        takes: Shape of the input, None where any size will do.
         returns: The same of the output.
+        words: The contract's, for both.
 
     Raises:
         InputError: They disagree, or there is not one input and one output of floats.
@@ -125,13 +123,11 @@ def check_graph(
         raise InputError(
             f"{model}: has {len(inputs)} inputs and {len(outputs)} outputs; {what} has one of each"
         )
-    for verb, value, (shape, words) in (
-        ("takes", inputs[0], takes),
-        ("returns", outputs[0], returns),
-    ):
-        if value.type != "tensor(float)" or not _agree(value.shape, shape):
+    ends = zip(("takes", "returns"), (*inputs, *outputs), (takes, returns), words, strict=True)
+    for verb, end, shape, said in ends:
+        if end.type != "tensor(float)" or not _agree(end.shape, shape):
             raise InputError(
-                f"{model}: {verb} {value.type} {value.shape}, its contract says {words};"
+                f"{model}: {verb} {end.type} {end.shape}, its contract says {said};"
                 " mend the contract or give the model it was written for"
             )
 
@@ -147,18 +143,16 @@ def sha256_of(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def read_fields(
-    model: Path, wanted: Fields, choices: Mapping[str, Sequence[object]]
-) -> dict[str, Any]:
+def read_declared(
+    kind: type[_Declared], model: Path, tables: _Tables, choices: Mapping[str, Sequence[object]]
+) -> _Declared:
     """Read the contract beside ``model`` and check the model's bytes against its sha256.
 
     Args:
+        kind: A dataclass of plain types. A field with a default may be left out of the file.
         model: Path of the ``.onnx`` file.
-        wanted: What a contract declares.
+        tables: Where each field stands.
         choices: What may stand in a field, by "table.field".
-
-    Returns:
-        Every field by its name, the tables left out.
 
     Raises:
         InputError: Model or contract is missing or unreadable; a field is missing, unknown or
@@ -170,62 +164,63 @@ def read_fields(
         with path.open("rb") as file:
             document = tomllib.load(file)
     except FileNotFoundError as error:
-        raise InputError(
-            f"{error.filename} is missing: a model needs NAME.onnx and NAME.toml"
-        ) from error
+        needed = "a model needs NAME.onnx and NAME.toml"
+        raise InputError(f"{error.filename} is missing: {needed}") from error
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: cannot be read as a contract ({error}); mend or replace it"
-        ) from error
-    found = _flatten(document, path, wanted, choices)
+        raise InputError(f"{path}: cannot be read as a contract ({error}); mend it") from error
+    known, found = {field.name: field for field in fields(kind)}, {}  # type: ignore[arg-type]
+    for name, written in _flatten(document, tables, path):
+        field = known[name.rpartition(".")[2]]
+        value = found[field.name] = _checked(written, field, name, path)
+        if value not in choices.get(name, (value,)):
+            options = " or ".join(str(choice) for choice in choices[name])
+            raise InputError(f"{path}: {name} = {value!r}; wanted {options}")
     if digest != found["sha256"]:
         raise InputError(
             f"{model}: sha256 is {digest[:12]}…, its contract says {found['sha256'][:12]}…; "
             "the file is damaged or is another model: get it again or mend the contract"
         )
-    return found
+    return kind(**found)
 
 
-def _flatten(
-    document: Mapping[str, Any], path: Path, tables: Fields, choices: Mapping[str, Sequence[object]]
-) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for table, wanted in tables.items():
+def _flatten(document: Mapping[str, Any], tables: _Tables, path: Path) -> Iterator[tuple[str, Any]]:
+    """Yield each field's full name and value, None where it is left out.
+
+    Raises:
+        InputError: A field is in no table, or a table is none.
+    """
+    for table, names in tables.items():
         section = document.get(table, {}) if table else document
         if not isinstance(section, Mapping):
             raise InputError(f"{path}: {table} = {section!r}; make it a table, [{table}]")
-        allowed = set(wanted) if table else set(wanted) | {name for name in tables if name}
-        if unknown := sorted(set(section) - allowed):
-            where = f" in [{table}]" if table else ""
-            raise InputError(
-                f"{path}: unknown field {unknown[0]!r}{where}; wanted {', '.join(wanted)}"
-            )
-        for field, kind in wanted.items():
-            name = f"{table}.{field}".lstrip(".")
-            found[field] = _checked(section.get(field), name, kind, path)
-            if name in choices and found[field] not in choices[name]:
-                options = " or ".join(str(choice) for choice in choices[name])
-                raise InputError(f"{path}: {name} = {found[field]!r}; wanted {options}")
-    return found
+        if unknown := sorted(set(section) - set(names) - (set() if table else set(tables))):
+            where = f"{unknown[0]!r} in [{table}]" if table else repr(unknown[0])
+            raise InputError(f"{path}: unknown field {where}; wanted {', '.join(names)}")
+        yield from ((f"{table}.{name}".lstrip("."), section.get(name)) for name in names)
 
 
-def _checked(value: Any, name: str, wanted: Any, path: Path) -> object:
-    kind = wanted if isinstance(wanted, type) else type(wanted)
+def _checked(value: Any, field: Any, name: str, path: Path) -> Any:
+    if value is None and field.default is MISSING:
+        raise InputError(f"{path}: {name} is missing; declare it")
     if value is None:
-        if isinstance(wanted, type):
-            raise InputError(f"{path}: {name} is missing; declare it")
-        return wanted
-    if kind is float and type(value) is int:
+        return field.default
+    if field.type is float and type(value) is int:
         value = float(value)
-    if type(value) is not kind or (isinstance(value, float) and not math.isfinite(value)):
-        raise InputError(f"{path}: {name} = {value!r}; wanted {kind.__name__}")
+    if type(value) is not field.type or (isinstance(value, float) and not math.isfinite(value)):
+        raise InputError(f"{path}: {name} = {value!r}; wanted {field.type.__name__}")
     return value
 
 
-def _agree(got: Sequence[object], wanted: Sequence[int | None]) -> bool:
-    """Tell whether a graph's shape (numbers, or names where it is free) can be the wanted one."""
+def _agree(got: Sequence[object], wanted: _Shape) -> bool:
+    """Tell whether a graph's shape (numbers, or names where it is free) can be the wanted one.
+
+    Where a number is wanted and the graph leaves it free, it must leave all free but the batch:
+    otherwise the number stands elsewhere, and the graph is of the other layout.
+    """
+    free = not any(isinstance(size, int) for size in got[1:])
     return len(got) == len(wanted) and all(
-        w is None or not isinstance(g, int) or g == w for g, w in zip(got, wanted, strict=True)
+        w is None or g == w or (free and not isinstance(g, int))
+        for g, w in zip(got, wanted, strict=True)
     )
 
 

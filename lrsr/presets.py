@@ -7,11 +7,18 @@ from typing import Any
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
 
-_PLAIN = {"pose": "frontal", "lighting": "frontal", "lens": "pinhole", "standpoint": "level"}
+_PLAIN = {
+    "pose": "frontal",
+    "lighting": "frontal",
+    "lens": "pinhole",
+    "standpoint": "level",
+    "expression": "neutral",
+    "rendering/skin": "reflective",
+}
 """What a mapping without ``_target_`` changes."""
 
 
-def preset(group: str, name: str, **changes: Any) -> Any:
+def preset(group: str, name: str, /, **changes: Any) -> Any:
     """Build what ``conf/GROUP/NAME.yaml`` describes: where a name becomes a value.
 
     Args:
@@ -58,7 +65,9 @@ def value_of(group: str, node: Any) -> Any:
     """
     if isinstance(node, str):
         return preset(group, node)
-    if isinstance(node, Mapping) and "_target_" not in node and group in _PLAIN:
+    if not isinstance(node, Mapping):
+        raise InputError(f"{group}={node}: wanted a name, or the fields of one's own")
+    if "_target_" not in node and group in _PLAIN:
         return preset(group, _PLAIN[group], **{"name": "own", **node})
     return build(node, group)
 
@@ -72,17 +81,21 @@ def build(node: Any, name: str, **more: Any) -> Any:
         more: Arguments that are values already.
 
     Raises:
-        InputError: The node has a field that its target does not take, or a value is wrong.
-        TypeError: What it names has a fault of its own, as in the next line.
-        InstantiationException: It has raised something else.
+        InputError: A field is missing or unknown to its target, or a value is wrong.
+        TypeError: The target has a fault of its own, as in the next line.
+        InstantiationException: It cannot be found, or has raised something else.
     """
     from hydra.errors import InstantiationException
     from hydra.utils import instantiate
+    from omegaconf.errors import MissingMandatoryValue
 
     try:
         if not more:
             return instantiate(node)
         return instantiate(node, _partial_=True)(**more)  # Hydra would make nodes of the values
+    except MissingMandatoryValue as error:
+        field = f"{name}.{str(error.full_key).removeprefix(f'{name}.')}"
+        raise InputError(f"{field} must be given: add {field}=...") from error
     except (InstantiationException, TypeError) as error:
         cause = error.__cause__ if isinstance(error, InstantiationException) else error
         if isinstance(cause, InputError):

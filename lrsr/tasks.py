@@ -6,7 +6,7 @@ Every task returns the folder that holds its result; the command line prints it 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lrsr.configuration import flag, number, run_folder, seed_of, whole_numbers
+from lrsr.configuration import flag, number, run_folder, seed_of, whole_number, whole_numbers
 from lrsr.errors import InputError
 from lrsr.paths import cache_folder, user_path
 from lrsr.presets import build
@@ -93,14 +93,32 @@ def run_identities(config: "DictConfig") -> Path:
 
 
 def run_fit_camera(config: "DictConfig") -> Path:
-    """Estimate a camera from real pictures; see :mod:`lrsr.experiments.fit_camera`.
+    """Estimate a camera from real pictures; see :mod:`lrsr.calibration.from_pictures`.
 
     Raises:
-        InputError: A setting is wrong, or the pictures cannot be used.
+        InputError: A setting is wrong, the pictures cannot be used, or show nothing.
     """
-    from lrsr.experiments.fit_camera import fit_settings, fit_to_folder  # torch takes seconds
+    from omegaconf import OmegaConf
 
-    settings = fit_settings(config)
+    from lrsr.calibration.from_pictures import FitSettings, fit_to_folder  # torch takes seconds
+    from lrsr.pictures.sitting import Sitting, read_people, read_quality, read_scene
+    from lrsr.rendering.scene import Film
+
+    settings = FitSettings(
+        images=user_path(config.images),
+        preset=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
+        strangers=Sitting(
+            people=read_people(config),
+            scene=read_scene(config),
+            film=Film(),
+            quality=read_quality(config),
+            seed=seed_of(config),
+        ),
+        name=str(config.name),
+        ipd_px=None if config.ipd_px is None else number(config, "ipd_px"),
+        part=number(config, "part"),
+        rounds=whole_number(config, "rounds"),
+    )
     with run_folder(config) as folder:
         write_provenance(folder, config)
         return fit_to_folder(settings, folder, cache=_cache(config))

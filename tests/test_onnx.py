@@ -1,6 +1,7 @@
 """Opening, running and declaring ONNX files."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,17 +13,24 @@ from onnx import TensorProto, helper
 
 from lrsr.errors import InputError
 from lrsr.onnx import (
-    CPU,
     check_graph,
     contract_path,
     open_session,
     providers_on,
-    read_fields,
+    read_declared,
     run_session,
     sha256_of,
 )
 
-WANTED = {"": {"sha256": str}, "input": {"mean": float, "multiple_of": 1}}
+CPU = "CPUExecutionProvider"
+TABLES = {"": ["sha256"], "input": ["mean", "multiple_of"]}
+
+
+@dataclass
+class Declared:
+    sha256: str
+    mean: float
+    multiple_of: int = 1
 
 
 @pytest.fixture
@@ -110,11 +118,11 @@ def test_the_cpu_computes_unless_cuda_is_asked_for_and_there(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(onnxruntime, "get_available_providers", lambda: ["CUDAExecutionProvider"])
-    assert providers_on("cpu") == CPU
-    assert providers_on("cuda") == ("CUDAExecutionProvider", *CPU)
+    assert providers_on("cpu") == (CPU,)
+    assert providers_on("cuda") == ("CUDAExecutionProvider", CPU)
     assert not caplog.messages
-    monkeypatch.setattr(onnxruntime, "get_available_providers", lambda: list(CPU))
-    assert providers_on("cuda:0") == CPU
+    monkeypatch.setattr(onnxruntime, "get_available_providers", lambda: [CPU])
+    assert providers_on("cuda:0") == (CPU,)
     assert "no CUDA" in caplog.text
 
 
@@ -136,7 +144,7 @@ def test_a_graph_that_disagrees_is_refused(
     path = write_doubler()
     with pytest.raises(InputError, match=message):
         check_graph(
-            open_session(path), path, "a doubler", (takes, "words in"), (returns, "words out")
+            open_session(path), path, "a doubler", takes, returns, ("words in", "words out")
         )
 
 
@@ -147,11 +155,9 @@ def declare(model: Path, rest: str) -> Path:
 
 def test_fields_that_are_left_out_have_their_value(write_doubler: Callable[..., Path]) -> None:
     model = declare(write_doubler(), "[input]\nmean = 2\n")
-    assert read_fields(model, WANTED, {}) == {
-        "sha256": sha256_of(model),
-        "mean": 2.0,
-        "multiple_of": 1,
-    }
+    told = read_declared(Declared, model, TABLES, {})
+    assert told == Declared(sha256_of(model), 2.0, 1)
+    assert type(told.mean) is float
 
 
 @pytest.mark.parametrize(
@@ -170,4 +176,4 @@ def test_wrong_fields_are_named(
 ) -> None:
     model = declare(write_doubler(), rest)
     with pytest.raises(InputError, match=rf"double\.toml: .*{message}"):
-        read_fields(model, WANTED, {"input.multiple_of": (1, 2)})
+        read_declared(Declared, model, TABLES, {"input.multiple_of": (1, 2)})

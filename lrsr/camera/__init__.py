@@ -1,6 +1,6 @@
 """From the light on the film to the stored file: the camera and the stages it is made of."""
 
-import importlib
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -26,25 +26,14 @@ __all__ = [
     "Video",
 ]
 
-_HOMES = {
-    "Camera": "lrsr.camera.camera",
-    "Colour": "lrsr.camera.colour",
-    "Jpeg": "lrsr.camera.codec",
-    "Mosaic": "lrsr.camera.mosaic",
-    "Optics": "lrsr.camera.optics",
-    "Processing": "lrsr.camera.processing",
-    "Sensor": "lrsr.camera.sensor",
-    "SpectralColour": "lrsr.camera.spectral",
-    "Video": "lrsr.camera.video",
-}
-
 
 def __getattr__(name: str) -> object:
-    """Import a stage (and kornia or PyAV with it) only when it is asked for.
+    """Import a stage (torch, kornia or PyAV with it) only when it is asked for.
 
     Raises:
         AttributeError: The package has no such name.
     """
-    if name in _HOMES:
-        return getattr(importlib.import_module(_HOMES[name]), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home = {"Jpeg": "codec", "SpectralColour": "spectral"}.get(name, name.lower())
+    return getattr(import_module(f"{__name__}.{home}"), name)

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import torch
 
-from lrsr.camera.diffraction import check_positive, numerical_aperture
+from lrsr.camera.checks import check_positive
+from lrsr.camera.diffraction import numerical_aperture
 from lrsr.errors import InputError
 
 

@@ -2,7 +2,7 @@
 
 import torch
 
-from lrsr.camera.contract import check_light, check_origin, check_setting
+from lrsr.camera.checks import check_choice, check_light, check_origin
 
 PATTERNS = ("RGGB", "BGGR", "GRBG", "GBRG")
 """Colours of the photosites (0, 0), (1, 0), (0, 1), (1, 1) of the whole sensor, (x, y)."""
@@ -17,7 +17,7 @@ def check_pattern(pattern: str) -> None:
     Raises:
         InputError: It is none of :data:`PATTERNS`.
     """
-    check_setting("pattern", pattern, pattern in PATTERNS, f"one of {', '.join(PATTERNS)}")
+    check_choice("pattern", pattern, PATTERNS)
 
 
 def shifted(pattern: str, origin_px: tuple[int, int]) -> str:

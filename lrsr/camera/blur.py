@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import torch
 
 from lrsr.camera.aberrations import Seidel, defocus_waves, focus_shift_um
-from lrsr.camera.contract import check_setting
+from lrsr.camera.checks import check_positive, check_setting, number
 from lrsr.camera.convolution import convolve
-from lrsr.camera.diffraction import airy_kernel, check_positive, diffraction_length_um
+from lrsr.camera.diffraction import airy_kernel, diffraction_length_um
 from lrsr.camera.pupil import pupil_kernel
 from lrsr.errors import InputError
 
@@ -67,7 +67,7 @@ class Blur:
                 "focus_m", self.focus_m, 1000 * self.focus_m > self.focal_mm, "> focal_mm"
             )
         for name in ("defocus_um", *WAVES):
-            check_setting(name, getattr(self, name), math.isfinite(getattr(self, name)), "a number")
+            number(name, getattr(self, name), "a number")
 
     @property
     def varies(self) -> bool:

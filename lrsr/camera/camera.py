@@ -1,15 +1,22 @@
 """What file does the camera make of the light on its film? One chain of steps, as a module."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import torch
 from torch import nn
 
-from lrsr.camera.codec import Jpeg, jpeg, jpeg_differentiable
-from lrsr.camera.codec import compression as preset
+from lrsr.camera.checks import (
+    check_choice,
+    check_flag,
+    check_origin,
+    check_setting,
+    number,
+    numbers,
+    whole,
+)
+from lrsr.camera.codec import COMPRESSIONS, Jpeg, jpeg, jpeg_differentiable
 from lrsr.camera.colour import Colour
-from lrsr.camera.contract import check_origin, check_setting
 from lrsr.camera.encoding import encode, quantise
 from lrsr.camera.exposure import expose
 from lrsr.camera.mosaic import Mosaic
@@ -17,14 +24,22 @@ from lrsr.camera.optics import Optics, bin_pixels
 from lrsr.camera.processing import Processing
 from lrsr.camera.sensor import Sensor
 from lrsr.camera.spectral import SpectralColour, needed, observe
+from lrsr.camera.video import Video
 from lrsr.errors import InputError
-from lrsr.rendering.bands import BANDS, Spectrum
-
-if TYPE_CHECKING:
-    from lrsr.camera.video import Video  # PyAV, for those who record
+from lrsr.images import check_images
+from lrsr.spectra import BANDS, Spectrum
 
 CODECS = ("true", "differentiable")
 SUPERSAMPLINGS = (1, 2, 4)
+STAGES: dict[str, tuple[type[nn.Module], ...]] = {
+    "optics": (Optics,),
+    "colour": (Colour, SpectralColour),
+    "mosaic": (Mosaic,),
+    "sensor": (Sensor,),
+    "processing": (Processing,),
+    "stored": (Jpeg, Video),
+}
+"""What each stage of a camera may be, in the order of the light."""
 
 
 class Camera(nn.Module):
@@ -64,7 +79,8 @@ class Camera(nn.Module):
             references he sees.
 
     Raises:
-        InputError: Unknown compression or codec, or a number is out of its range.
+        InputError: Unknown compression or codec, a number is out of its range, or a stage is
+            something else.
 
     Example:
         >>> white_sphere = torch.ones(1, 3, 8, 8)
@@ -85,31 +101,35 @@ class Camera(nn.Module):
         mosaic: Mosaic | None = None,
         sensor: Sensor | None = None,
         processing: Processing | None = None,
-        stored: "Jpeg | Video | None" = None,
+        stored: Jpeg | Video | None = None,
         origin_px: tuple[int, int] = (0, 0),
         field_mm: tuple[float, float] = (0.0, 0.0),
         bands: int | None = None,
         adapted: bool = False,
     ) -> None:
         super().__init__()
-        if codec not in CODECS:
-            raise InputError(f"codec {codec!r}: choose one of {', '.join(CODECS)}")
-        finer = supersampling in SUPERSAMPLINGS
-        check_setting("supersampling", supersampling, finer, f"one of {SUPERSAMPLINGS}")
-        self.quality = preset(compression).quality
-        self.compression = compression
-        self.exposure_ev = float(exposure_ev)
-        self.codec = codec
-        self.name = name
-        self.optics, self.supersampling = optics, int(supersampling)
-        self.colour, self.mosaic, self.sensor = colour, mosaic, sensor
-        self.processing, self.stored = processing, stored
+        self.compression = check_choice("compression", compression, COMPRESSIONS)
+        self.codec = check_choice("codec", codec, CODECS)
+        check_setting("name", name, isinstance(name, str), "a word")
+        self.quality, self.name = COMPRESSIONS[compression], name
+        self.exposure_ev = number("exposure_ev", exposure_ev, "-100..100", low=-100, high=100)
+        wish = f"one of {SUPERSAMPLINGS}"
+        self.supersampling = whole("supersampling", supersampling, wish, low=1)
+        check_setting("supersampling", supersampling, supersampling in SUPERSAMPLINGS, wish)
+        self.optics, self.colour, self.mosaic = optics, colour, mosaic
+        self.sensor, self.processing, self.stored = sensor, processing, stored
+        for stage, kinds in STAGES.items():
+            fits = isinstance(getattr(self, stage), (*kinds, type(None)))
+            names = " or ".join(kind.__name__ for kind in kinds)
+            check_setting(stage, getattr(self, stage), fits, f"{names}, or null")
         self.origin_px = check_origin(origin_px)
-        self.field_mm = float(field_mm[0]), float(field_mm[1])
-        self.adapted = bool(adapted)
-        self.bands = int((BANDS if self._measured else 0) if bands is None else bands)
-        usable = 7 <= self.bands <= 350 or (self.bands == 0 and self._measured is None)
-        check_setting("bands", self.bands, usable, "7 to 350, or 0 without measured filters")
+        right, down = numbers("field_mm", field_mm, 2)
+        self.field_mm, self.adapted = (right, down), check_flag("adapted", adapted)
+        wish = "7 to 350, or 0 without measured filters"
+        given = (BANDS if self._measured else 0) if bands is None else bands
+        self.bands = whole("bands", given, wish, low=0, high=350)
+        usable = self.bands >= 7 or (self.bands == 0 and self._measured is None)
+        check_setting("bands", self.bands, usable, wish)
 
     @property
     def noisy(self) -> bool:
@@ -120,6 +140,22 @@ class Camera(nn.Module):
     def flawless(self) -> bool:
         """Is this the reference camera, whatever its exposure, compression and name?"""
         return self.supersampling == 1 and not any(self._stages().values())
+
+    def check_lens(self, name: str, *, pinhole: bool) -> None:
+        """Refuse light that has come through another lens than a pinhole, if this one has optics.
+
+        Args:
+            name: Of the lens that the light was rendered through.
+            pinhole: It is none.
+
+        Raises:
+            InputError: There would be two lenses, each with its faults.
+        """
+        if self.optics is not None and not pinhole:
+            raise InputError(
+                f"lens={name} camera={self.name}: two lenses, whose faults would add up; give "
+                "lens=pinhole, or a camera without optics (camera.optics=null)"
+            )
 
     def forward(
         self,
@@ -148,7 +184,8 @@ class Camera(nn.Module):
         """
         if self.noisy and seeds is None:
             raise InputError(f"camera {self.name!r} is noisy: give seeds, one for each image")
-        seen = self.see(linear, spectrum)
+        channels = linear.shape[1] if spectrum is not None and linear.ndim == 4 else 3
+        seen = self.see(check_images(linear, channels=channels, name="linear"), spectrum)
         light = self.gather(expose(seen, metered, self.exposure_ev))
         count = 1 if self.stored is None else self.stored.frames
         frames = [self.develop(light, seeds, frame, spectrum) for frame in range(count)]
@@ -286,8 +323,7 @@ class Camera(nn.Module):
         return self.codec == "differentiable"
 
     def _stages(self) -> dict[str, Any]:
-        names = ("optics", "colour", "mosaic", "sensor", "processing", "stored")
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in STAGES}
 
     def extra_repr(self) -> str:
         """Show the settings when the module is printed."""

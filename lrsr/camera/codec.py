@@ -11,8 +11,7 @@ is 28-41 dB from its original. Little of that is the softness: libjpeg rounds le
 the rare coefficient that this tips over to the next step weighs as much.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 
 import cv2
 import numpy as np
@@ -20,50 +19,15 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
-from lrsr.camera.contract import check_light, check_origin, check_setting
+from lrsr.camera.checks import check_choice, check_origin, check_setting, check_srgb, whole
 from lrsr.camera.encoding import quantise
 from lrsr.camera.soft_jpeg import soft_jpeg
-from lrsr.errors import InputError
 from lrsr.images import check_images
 
-
-@dataclass(frozen=True)
-class Compression:
-    """How hard a picture is squeezed.
-
-    Attributes:
-        quality: Of the Independent JPEG Group's scale, 1-100; None: not compressed.
-        chroma: Sub-sampling of the two colour channels.
-    """
-
-    quality: int | None
-    chroma: str = "4:2:0"
-
-
-COMPRESSIONS = {
-    "none": Compression(None),
-    "small": Compression(75),
-    "heavy": Compression(15),
-}
-"""The three presets. The qualities are **estimated**: 75 is the default of the Independent JPEG
-Group and what cameras call little compression; 15 is near the lower end of what surveillance
-recorders offer, where the 8 x 8 blocks show."""
-
-
-def compression(name: str) -> Compression:
-    """Return the preset of that name.
-
-    Raises:
-        InputError: There is none.
-
-    Example:
-        >>> compression("small")
-        Compression(quality=75, chroma='4:2:0')
-    """
-    if name not in COMPRESSIONS:
-        raise InputError(f"compression {name!r}: choose one of {', '.join(COMPRESSIONS)}")
-    return COMPRESSIONS[name]
-
+COMPRESSIONS: dict[str, int | None] = {"none": None, "small": 75, "heavy": 15}
+"""Qualities on the Independent JPEG Group's scale, 1-100; None: not compressed. They are
+**estimated**: 75 is that group's default and what cameras call little compression; 15 is near the
+lower end of what surveillance recorders offer, where the 8 x 8 blocks show."""
 
 CHROMAS = {
     "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
@@ -99,10 +63,10 @@ def jpeg(
         ImageContractError: The images break the contract.
         InputError: Unknown chroma, or a place or a quality out of range.
     """
-    check_images(srgb, name="srgb")
-    check_setting("chroma", chroma, chroma in CHROMAS, f"one of {', '.join(CHROMAS)}")
+    check_images(check_srgb(srgb), name="srgb")
+    check_choice("chroma", chroma, CHROMAS)
     framed, left, top = _framed(srgb, quality, origin_px)
-    pixels = framed.detach().clamp(0, 1).mul(255).round().to(torch.uint8)
+    pixels = framed.detach().mul(255).round().to(torch.uint8)
     rows = pixels.permute(0, 2, 3, 1).cpu().numpy()
     decoded = np.stack([_through_file(image, quality, chroma)[top:, left:] for image in rows])
     return torch.from_numpy(decoded).permute(0, 3, 1, 2).contiguous().to(srgb) / 255
@@ -112,7 +76,7 @@ def _framed(
     srgb: torch.Tensor, quality: int, origin_px: tuple[int, int]
 ) -> tuple[torch.Tensor, int, int]:
     """Repeat the edge leftwards and upwards to where the frame's grid has a corner."""
-    check_setting("quality", quality, 1 <= quality <= 100, "1 to 100")
+    whole("quality", quality, "1 to 100", low=1, high=100)
     left, top = (place % _MACROBLOCK_PX for place in check_origin(origin_px))
     framed = F.pad(srgb, (left, 0, top, 0), mode="replicate") if left or top else srgb
     return framed, left, top
@@ -151,7 +115,7 @@ def jpeg_differentiable(
         ImageContractError: The images break the contract.
         InputError: Unknown chroma, or a place or a quality out of range.
     """
-    check_light(srgb, name="srgb")
+    check_srgb(srgb)
     framed, left, top = _framed(srgb, quality, origin_px)
     return quantise(soft_jpeg(framed, quality, chroma)[..., top:, left:], differentiable=True)
 
@@ -172,12 +136,11 @@ class Jpeg(nn.Module):
 
     def __init__(self, qualities: int | Sequence[int] = 75, chroma: str = "4:2:0") -> None:
         super().__init__()
-        given = [qualities] if isinstance(qualities, int) else list(qualities)
+        several = isinstance(qualities, Iterable) and not isinstance(qualities, str)
+        given = [*qualities] if several else [qualities]  # type: ignore[misc]
         check_setting("qualities", given, len(given) > 0, "at least one")
-        for quality in given:
-            check_setting("quality", quality, 1 <= quality <= 100, "1 to 100")
-        check_setting("chroma", chroma, chroma in CHROMAS, f"one of {', '.join(CHROMAS)}")
-        self.qualities, self.chroma = tuple(int(quality) for quality in given), chroma
+        self.qualities = tuple(whole("quality", one, "1 to 100", low=1, high=100) for one in given)
+        self.chroma = check_choice("chroma", chroma, CHROMAS)
 
     def forward(
         self,

@@ -7,13 +7,13 @@ grey stays grey (J. Nakamura, Image Sensors and Signal Processing for Digital St
 2006). Noise grows in both. A white balance that misses leaves a cast.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import torch
 from torch import nn
 
-from lrsr.camera.contract import check_light, check_setting
-from lrsr.rendering.bands import Spectrum
+from lrsr.camera.checks import check_light, check_setting, numbers
+from lrsr.spectra import Spectrum
 
 Matrix = Sequence[Sequence[float]]
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -109,17 +109,14 @@ def mix(linear: torch.Tensor, matrix: Matrix) -> torch.Tensor:
 
 
 def _matrix(name: str, rows: Matrix) -> torch.Tensor:
-    values = [[float(value) for value in row] for row in rows]
-    square = len(values) == 3 and all(len(row) == 3 for row in values)
-    check_setting(name, values, square, "three rows of three numbers")
-    return torch.tensor(values, dtype=torch.float64)
+    wish = "three rows of three numbers"
+    listed = isinstance(rows, Iterable) and not isinstance(rows, str)
+    check_setting(name, rows, listed and len(rows) == 3, wish)
+    return torch.tensor([numbers(name, row, 3, wish) for row in rows], dtype=torch.float64)
 
 
 def _gains(name: str, gains: Sequence[float]) -> torch.Tensor:
-    values = [float(gain) for gain in gains]
-    usable = len(values) == 3 and min(values) > 0
-    check_setting(name, values, usable, "three gains > 0")
-    return torch.tensor(values, dtype=torch.float64)
+    return torch.tensor(numbers(name, gains, 3, "three gains > 0", above=0), dtype=torch.float64)
 
 
 def _rows(matrix: torch.Tensor) -> tuple[tuple[float, ...], ...]:

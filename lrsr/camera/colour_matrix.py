@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
-from lrsr.rendering.bands import srgb_weights
+from lrsr.spectra import srgb_weights
 
 FloatArray = NDArray[np.float64]
 
@@ -38,20 +38,6 @@ def fit_matrix(balanced: FloatArray, wanted: FloatArray) -> FloatArray:
         raise InputError("a colour matrix needs reflectances of at least two hues")
     two, *_ = np.linalg.lstsq(differences, wanted - balanced[:, 2:], rcond=None)
     return np.column_stack([two.T, 1 - two.sum(axis=0)])
-
-
-def rendered(
-    weights: FloatArray, matrix: FloatArray, white: FloatArray, reflectances: FloatArray
-) -> FloatArray:
-    """Return linear sRGB ``(K, 3)`` that a camera makes of reflectances, not clipped.
-
-    Args:
-        weights: ``(3, N)``, what bands add to raw channels.
-        matrix: ``(3, 3)``.
-        white: ``(N,)`` bands of the light, which is balanced to (1, 1, 1).
-        reflectances: ``(K, N)``.
-    """
-    return np.asarray((reflectances * white) @ weights.T / (weights @ white) @ matrix.T)
 
 
 def observed(

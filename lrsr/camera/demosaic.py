@@ -12,7 +12,7 @@ import torch
 from torch.nn import functional as F
 
 from lrsr.camera.bayer import SITES, check_pattern
-from lrsr.camera.contract import check_light, check_setting
+from lrsr.camera.checks import check_choice, check_light
 from lrsr.camera.edge_aware import interpolate_along_edges
 from lrsr.errors import ImageContractError
 
@@ -55,7 +55,7 @@ def check_method(method: str) -> None:
     Raises:
         InputError: It is none of :data:`METHODS`.
     """
-    check_setting("method", method, method in METHODS, f"one of {', '.join(METHODS)}")
+    check_choice("method", method, METHODS)
 
 
 def demosaic(raw: torch.Tensor, pattern: str = "RGGB", method: str = "malvar") -> torch.Tensor:

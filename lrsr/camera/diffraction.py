@@ -5,21 +5,10 @@ from functools import lru_cache
 
 import torch
 
-from lrsr.errors import InputError
+from lrsr.camera.checks import check_positive
 
 MARGIN = 64
 """Where the tails of the Airy disk may wrap round, in units of λ / (2A): 0.5 % of the light."""
-
-
-def check_positive(**numbers: float) -> None:
-    """Refuse what is not a finite number above zero.
-
-    Raises:
-        InputError: One is not; the message names it.
-    """
-    for name, value in numbers.items():
-        if not 0 < value < math.inf:
-            raise InputError(f"{name} {value}: give a finite number > 0")
 
 
 def numerical_aperture(f_number: float) -> float:
@@ -51,48 +40,6 @@ def diffraction_length_um(f_number: float, wavelength_nm: float) -> float:
     """
     check_positive(wavelength_nm=wavelength_nm)
     return wavelength_nm * 1e-3 / (2 * numerical_aperture(f_number))
-
-
-def airy_radius_um(f_number: float, wavelength_nm: float) -> float:
-    """Return the radius of the first dark ring, q₁ = 1.22 λ / (2A) (paper, eq. 5), µm.
-
-    Args:
-        f_number: Focal length over diameter of the entrance pupil, > 0.
-        wavelength_nm: Of the light, nm, > 0.
-
-    Raises:
-        InputError: A number is not positive.
-
-    Example:
-        >>> round(airy_radius_um(1.4, 700), 2)
-        1.27
-    """
-    return 1.22 * diffraction_length_um(f_number, wavelength_nm)
-
-
-def encircled_energy(
-    radius_um: torch.Tensor, f_number: float, wavelength_nm: float
-) -> torch.Tensor:
-    """Return the share of the Airy disk's light within a radius: 1 - J₀²(x) - J₁²(x).
-
-    With x = 2 π A r / λ (Lord Rayleigh 1881; Born & Wolf, section 8.5.2, eq. 18).
-
-    Args:
-        radius_um: Any shape, µm, >= 0.
-        f_number: Focal length over diameter of the entrance pupil, > 0.
-        wavelength_nm: Of the light, nm, > 0.
-
-    Raises:
-        InputError: A number is not positive.
-
-    Example:
-        >>> within_first_ring = torch.tensor(airy_radius_um(1.4, 700))
-        >>> round(float(encircled_energy(within_first_ring, 1.4, 700)), 3)
-        0.838
-    """
-    x = math.pi * radius_um / diffraction_length_um(f_number, wavelength_nm)
-    rest: torch.Tensor = torch.special.bessel_j0(x) ** 2 + torch.special.bessel_j1(x) ** 2
-    return 1 - rest
 
 
 def diffraction_transfer(frequency: torch.Tensor) -> torch.Tensor:

@@ -1,14 +1,11 @@
 """How does a wide lens bend straight lines? Brown's radial polynomial, both ways."""
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
 
-from lrsr.camera.contract import check_setting
-from lrsr.camera.diffraction import check_positive
-from lrsr.camera.field import turn
+from lrsr.camera.checks import check_positive
+from lrsr.camera.image_plane import turn
 from lrsr.errors import InputError
 
 STEPS = 25
@@ -139,47 +136,3 @@ class Distortion:
 
     def _square(self, points_mm: torch.Tensor) -> torch.Tensor:
         return points_mm.square().sum(-1, keepdim=True) / self.focal_mm**2
-
-
-def fit_distortion(
-    half_sizes_mm: Sequence[float],
-    half_angles_deg: Sequence[float],
-    focal_mm: float,
-    orders: Sequence[int] = (3,),
-) -> tuple[float, float]:
-    """Find (k1, k2) of a lens that sees given angles at given distances from the axis.
-
-    Args:
-        half_sizes_mm: Distances on the sensor, mm; as many as orders.
-        half_angles_deg: What is seen there, degrees from the optical axis, < 90.
-        focal_mm: Focal length, mm.
-        orders: Which terms bend: 3 (k1), 5 (k2) or both; the other is 0.
-
-    Raises:
-        InputError: Not one pair for each order, a number that is not positive, or 90° and more.
-
-    Example:
-        The reference camera, 95° wide on 1920 pixels of 2.65 µm behind 3 mm:
-
-        >>> k1, k2 = fit_distortion((960 * 2.65e-3,), (47.5,), 3.0, orders=(5,))
-        >>> k1, round(k2, 3)
-        (0.0, 0.555)
-    """
-    if tuple(orders) not in {(3,), (5,), (3, 5)}:
-        raise InputError(f"orders {tuple(orders)}: give (3,), (5,) or (3, 5)")
-    if not len(half_sizes_mm) == len(half_angles_deg) == len(orders):
-        raise InputError(
-            f"{len(half_sizes_mm)} sizes and {len(half_angles_deg)} angles: give as many of each "
-            f"as orders, {len(orders)}"
-        )
-    check_positive(focal_mm=focal_mm)
-    rows, excess = [], []
-    for size, angle in zip(half_sizes_mm, half_angles_deg, strict=True):
-        check_positive(half_size_mm=size, half_angle_deg=angle)
-        check_setting("half_angle_deg", angle, angle < 90, "less than 90: a flat picture's edge")
-        radius = size / focal_mm
-        rows.append([radius ** (order - 1) for order in orders])
-        excess.append(math.tan(math.radians(angle)) / radius - 1)
-    solved = torch.linalg.solve(*(torch.tensor(x, dtype=torch.float64) for x in (rows, excess)))
-    found = dict(zip(orders, solved.tolist(), strict=True))
-    return found.get(3, 0.0), found.get(5, 0.0)

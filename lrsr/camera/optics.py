@@ -1,6 +1,6 @@
 """What does a real lens make of the light before the sensor counts it? All its faults, in order.
 
-:mod:`lrsr.camera.bending` says where the light lands, :mod:`lrsr.camera.vignetting` how much of it,
+:mod:`lrsr.camera.warp` says where the light lands, :mod:`lrsr.camera.vignetting` how much of it,
 :mod:`lrsr.camera.blur` how it spreads.
 """
 
@@ -12,13 +12,20 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
-from lrsr.camera.bending import Bending
 from lrsr.camera.blur import Blur
-from lrsr.camera.contract import check_light, check_setting
-from lrsr.camera.diffraction import check_positive
+from lrsr.camera.checks import (
+    check_flag,
+    check_light,
+    check_positive,
+    check_setting,
+    number,
+    numbers,
+    whole,
+)
 from lrsr.camera.distortion import Distortion
-from lrsr.camera.field import Field, read_field
+from lrsr.camera.image_plane import Field, read_field
 from lrsr.camera.vignetting import Vignetting
+from lrsr.camera.warp import Warp
 from lrsr.errors import ImageContractError, InputError
 
 VIEWS = ("facing", "planar")
@@ -110,33 +117,36 @@ class Optics(nn.Module):
         rim_distance_mm: float | None = None,
     ) -> None:
         super().__init__()
-        check_positive(pitch_um=pitch_um)
+        check_positive(pitch_um=pitch_um, focal_mm=focal_mm, field_radius_mm=field_radius_mm)
+        if f_number is not None:
+            check_positive(f_number=f_number)
         check_setting("view", view, view in VIEWS, " or ".join(VIEWS))
-        self.pitch_um, self.field_radius_mm = pitch_um, field_radius_mm
-        k1, k2 = _read_numbers("distortion", distortion, 2)
-        lens = Distortion(k1, k2, focal_mm, field_radius_mm, facing=view == "facing")
-        lateral = _read_numbers("lateral_colour_um", lateral_colour_um, 3)
-        self.bending = Bending(lens, lateral)
+        self.pitch_um, self.field_radius_mm = float(pitch_um), float(field_radius_mm)
+        k1, k2 = numbers("distortion", distortion, 2)
+        lens = Distortion(k1, k2, float(focal_mm), float(field_radius_mm), facing=view == "facing")
+        self.warp = Warp(lens, numbers("lateral_colour_um", lateral_colour_um, 3))
+        natural = check_flag("natural_vignetting", natural_vignetting)
         pupil_radius_mm = focal_mm / (2 * f_number) if f_number else None
-        rim = (rim_radius_mm, rim_distance_mm)
-        self.vignetting = Vignetting(lens, natural_vignetting, pupil_radius_mm, *rim)
+        self.vignetting = Vignetting(lens, natural, pupil_radius_mm, rim_radius_mm, rim_distance_mm)
         faults: dict[str, Any] = {
-            "focus_m": focus_m,
-            "defocus_um": defocus_um,
-            "spherical_waves": spherical_waves,
-            "coma_waves": coma_waves,
-            "astigmatism_waves": astigmatism_waves,
-            "curvature_waves": curvature_waves,
+            "defocus_um": number("defocus_um", defocus_um),
+            "spherical_waves": number("spherical_waves", spherical_waves),
+            "coma_waves": number("coma_waves", coma_waves),
+            "astigmatism_waves": number("astigmatism_waves", astigmatism_waves),
+            "curvature_waves": number("curvature_waves", curvature_waves),
+            "focus_m": focus_m if focus_m in (None, math.inf) else number("focus_m", focus_m),
         }
-        colours = _read_numbers("wavelengths_nm", wavelengths_nm, 3)
-        axial = _read_numbers("axial_colour_um", axial_colour_um, 3)
+        colours = numbers("wavelengths_nm", wavelengths_nm, 3)
+        axial = numbers("axial_colour_um", axial_colour_um, 3)
         needing = [name for name, value in faults.items() if value]
         needing += ["axial_colour_um"] * any(axial) + ["rim_radius_mm"] * bool(rim_radius_mm)
         if f_number is None and needing:
             raise InputError(f"{needing[0]} without f_number: give the lens an f-number")
         self.blur = None
         if f_number is not None:
-            self.blur = Blur(f_number, focal_mm, colours, axial_colour_um=axial, **faults)
+            self.blur = Blur(
+                float(f_number), float(focal_mm), colours, axial_colour_um=axial, **faults
+            )
 
     def forward(
         self,
@@ -168,7 +178,7 @@ class Optics(nn.Module):
         _check_supersampling(supersampling)
         field = read_field(field_mm, linear, self.field_radius_mm)
         pitch_um = self.pitch_um / supersampling
-        film = self.bending.bend(linear, field, pitch_um / 1000)
+        film = self.warp.draw(linear, field, pitch_um / 1000)
         film = self.vignetting.darken(film, field, pitch_um / 1000)
         if self.blur is not None:
             film = self.blur.spread(film, field / self.field_radius_mm, pitch_um, subject_m)
@@ -181,7 +191,7 @@ class Optics(nn.Module):
         field_mm: Field = (0.0, 0.0),
         subject_m: torch.Tensor | float | None = None,
     ) -> torch.Tensor:
-        """Return what :meth:`forward` makes of a point, without bending: ``(N, 3, K, K)``, sum 1.
+        """Return what :meth:`forward` makes of a point, without warping: ``(N, 3, K, K)``, sum 1.
 
         Args:
             supersampling: Film pixels along a sensor pixel's side, >= 1.
@@ -224,16 +234,8 @@ class Optics(nn.Module):
         field = read_field(field_mm, points_px, self.field_radius_mm)
         field = field[0] if len(field) == 1 else field[:, None]
         pitch_mm = self.pitch_um / supersampling / 1000
-        return self.bending.move_points(points_px, size, field, pitch_mm, inverse=inverse)
-
-
-def _read_numbers(name: str, numbers: Sequence[float], count: int) -> tuple[float, ...]:
-    values = tuple(float(number) for number in numbers)
-    finite = all(math.isfinite(value) for value in values)
-    check_setting(name, list(values), len(values) == count and finite, f"{count} finite numbers")
-    return values
+        return self.warp.move_points(points_px, size, field, pitch_mm, inverse=inverse)
 
 
 def _check_supersampling(supersampling: int) -> None:
-    whole = supersampling == int(supersampling) and supersampling >= 1
-    check_setting("supersampling", supersampling, whole, "a whole number >= 1")
+    whole("supersampling", supersampling, "a whole number >= 1", low=1)

@@ -8,7 +8,7 @@ Processing for Digital Still Cameras, CRC 2006).
 import torch
 from torch import nn
 
-from lrsr.camera.contract import check_light, check_setting
+from lrsr.camera.checks import check_light, number
 from lrsr.camera.smoothing import bilateral_blur, gaussian_blur
 from lrsr.images import linear_to_srgb
 
@@ -67,8 +67,7 @@ class Processing(nn.Module):
             "saturation": (saturation, 0, 10),
         }
         for name, (value, low, high) in settings.items():
-            check_setting(name, value, low <= value <= high, f"{low}..{high}")
-            setattr(self, name, float(value))
+            setattr(self, name, number(name, value, f"{low}..{high}", low=low, high=high))
 
     denoise_luma_px: float
     denoise_luma_level: float

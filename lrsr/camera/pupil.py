@@ -4,7 +4,8 @@ import math
 
 import torch
 
-from lrsr.camera.diffraction import check_positive, diffraction_length_um
+from lrsr.camera.checks import check_positive
+from lrsr.camera.diffraction import diffraction_length_um
 
 CHUNK_SAMPLES = 2**20
 """Samples of pupils that are transformed at a time, some tens of MB."""

@@ -15,9 +15,10 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.camera.checks import check_setting
 from lrsr.errors import InputError
 from lrsr.paths import asset
-from lrsr.rendering.bands import average, daylight
+from lrsr.spectra import average, daylight
 
 FloatArray = NDArray[np.float64]
 Per = Literal["energy", "quanta"]
@@ -88,6 +89,7 @@ def find_sensitivities(name: str, per: Per = "energy") -> Sensitivities:
         >>> nikon.nm[nikon.curves.argmax(axis=1)].tolist()
         [595.0, 530.0, 460.0]
     """
+    check_setting("sensitivities", name, isinstance(name, str), "a camera's name or a .csv file")
     if name in DAYLIGHT_LEVELS:
         table = _read(asset(f"spectra/{name}.csv"))
         return Sensitivities(name, table[0], table[1:], "energy", DAYLIGHT_LEVELS[name])

@@ -11,13 +11,14 @@ Fixed-pattern noise multiplies the light by a gain of each photosite, the same i
 """
 
 import hashlib
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 
 import torch
 from torch import nn
 
-from lrsr.camera.contract import check_light, check_origin, check_setting
+from lrsr.camera.checks import check_flag, check_light, check_origin, number, whole
 from lrsr.errors import InputError
 
 PATTERN_PX = 256
@@ -64,22 +65,17 @@ class Sensor(nn.Module):
         noise: bool = True,
     ) -> None:
         super().__init__()
-        for name, value, holds, wish in (
-            ("full_well_e", full_well_e, full_well_e > 0, "electrons > 0"),
-            ("gain", gain, gain >= 1, "a factor >= 1"),
-            ("read_noise_e", read_noise_e, read_noise_e >= 0, "electrons >= 0"),
-            ("dark_current_e_per_s", dark_current_e_per_s, dark_current_e_per_s >= 0, ">= 0"),
-            ("exposure_s", exposure_s, exposure_s >= 0, "seconds >= 0"),
-            ("prnu", prnu, 0 <= prnu <= 0.5, "a fraction 0..0.5"),
-            ("bits", bits, bits in range(8, 17), "8 to 16"),
-            ("black_level_dn", black_level_dn, 0 <= black_level_dn < 2**bits - 1, "0 to white"),
-        ):
-            check_setting(name, value, bool(holds), wish)
-        self.full_well_e, self.gain = float(full_well_e), float(gain)
-        self.read_noise_e, self.prnu = float(read_noise_e), float(prnu)
-        self.dark_e = float(dark_current_e_per_s) * float(exposure_s)
-        self.bits, self.black_level_dn = int(bits), int(black_level_dn)
-        self.pattern_seed, self.noise = int(pattern_seed), bool(noise)
+        self.full_well_e = number("full_well_e", full_well_e, "electrons > 0", above=0)
+        self.gain = number("gain", gain, "a factor >= 1", low=1)
+        self.read_noise_e = number("read_noise_e", read_noise_e, "electrons >= 0", low=0)
+        thermal = number("dark_current_e_per_s", dark_current_e_per_s, "a number >= 0", low=0)
+        self.dark_e = thermal * number("exposure_s", exposure_s, "seconds >= 0", low=0)
+        self.prnu = number("prnu", prnu, "a fraction 0..0.5", low=0, high=0.5)
+        self.bits = whole("bits", bits, "8 to 16", low=8, high=16)
+        white = 2**self.bits - 1
+        black = whole("black_level_dn", black_level_dn, "0 to white", low=0, high=white - 1)
+        self.black_level_dn, self.noise = black, check_flag("noise", noise)
+        self.pattern_seed = whole("pattern_seed", pattern_seed, "a whole number", low=-math.inf)
 
     @property
     def white_e(self) -> float:

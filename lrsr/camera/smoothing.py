@@ -9,7 +9,9 @@ import math
 import torch
 from torch.nn import functional as F
 
-from lrsr.camera.contract import check_light, check_setting
+from lrsr.camera.checks import check_light, number
+
+_WIDTHS = "0..20 pixels"
 
 
 def gaussian_blur(images: torch.Tensor, sigma_px: float) -> torch.Tensor:
@@ -31,7 +33,8 @@ def gaussian_blur(images: torch.Tensor, sigma_px: float) -> torch.Tensor:
         >>> [round(value, 2) for value in gaussian_blur(spot, 0.5)[0, 0, 0].tolist()]
         [0.0, 0.0, 0.11, 0.79, 0.11, 0.0, 0.0]
     """
-    _check(images, "sigma_px", sigma_px)
+    check_light(images, channels=range(1, images.shape[1] + 1 if images.ndim > 1 else 1))
+    number("sigma_px", sigma_px, _WIDTHS, low=0, high=20)
     if sigma_px == 0:
         return images
     radius = math.ceil(3 * sigma_px)
@@ -63,8 +66,8 @@ def bilateral_blur(images: torch.Tensor, sigma_px: float, sigma_level: float) ->
         InputError: A width is out of range.
     """
     check_light(images, channels=(1,), name="images")
-    _check(images, "sigma_px", sigma_px)
-    check_setting("sigma_level", sigma_level, sigma_level > 0, "a level > 0")
+    number("sigma_px", sigma_px, _WIDTHS, low=0, high=20)
+    number("sigma_level", sigma_level, "a level > 0", above=0)
     if sigma_px == 0:
         return images
     radius = math.ceil(2 * sigma_px)
@@ -79,8 +82,3 @@ def bilateral_blur(images: torch.Tensor, sigma_px: float, sigma_level: float) ->
             weight = torch.exp(-0.5 * (near + unlike))
             total, weights = total + weight * neighbour, weights + weight
     return total / weights
-
-
-def _check(images: torch.Tensor, name: str, sigma_px: float) -> None:
-    check_light(images, channels=range(1, images.shape[1] + 1 if images.ndim > 1 else 1))
-    check_setting(name, sigma_px, 0 <= sigma_px <= 20, "0..20 pixels")

@@ -9,12 +9,12 @@ sec. 3; also in C. Reich et al. 2024, arXiv:2309.06978), and levels in between a
 
 import math
 
+import numpy as np
 import torch
 from kornia.color import rgb_to_ycbcr, ycbcr_to_rgb
 from torch.nn import functional as F
 
-from lrsr.camera.contract import check_light, check_setting
-from lrsr.camera.cosines import cosine_transform
+from lrsr.camera.checks import check_choice, check_light, whole
 from lrsr.camera.jpeg_tables import BLOCK_PX, chrominance_table, luminance_table
 
 SHARING = {"4:4:4": (1, 1), "4:2:2": (1, 2), "4:2:0": (2, 2)}
@@ -44,8 +44,8 @@ def soft_jpeg(srgb: torch.Tensor, quality: int, chroma: str = "4:2:0") -> torch.
         [128.0, 128.0, 128.0]
     """
     check_light(srgb, name="srgb")
-    check_setting("quality", quality, 1 <= quality <= 100, "1 to 100")
-    check_setting("chroma", chroma, chroma in SHARING, f"one of {', '.join(SHARING)}")
+    whole("quality", quality, "1 to 100", low=1, high=100)
+    check_choice("chroma", chroma, SHARING)
     height, width = srgb.shape[-2:]
     rows, columns = SHARING[chroma]
     ends = (-width % (columns * BLOCK_PX), -height % (rows * BLOCK_PX))
@@ -81,6 +81,19 @@ def through_blocks(plane: torch.Tensor, table: torch.Tensor) -> torch.Tensor:
     kept = soft_round(cosines @ blocks @ cosines.T / steps) * steps
     decoded = (cosines.T @ kept @ cosines).transpose(-3, -2).reshape(plane.shape)
     return decoded.clamp(-_MIDDLE, _MIDDLE - 1)
+
+
+def cosine_transform() -> torch.Tensor:
+    """Return the orthonormal DCT ``(8, 8)``, a row for each cosine.
+
+    Example:
+        >>> d = cosine_transform()
+        >>> torch.allclose(d @ d.T, torch.eye(8, dtype=d.dtype))
+        True
+    """
+    k = np.arange(BLOCK_PX)
+    waves = np.cos((2 * k + 1)[None] * k[:, None] * np.pi / (2 * BLOCK_PX))
+    return torch.from_numpy(waves * np.where(k[:, None] == 0, 0.5**0.5, 1.0) / 2)
 
 
 def soft_round(numbers: torch.Tensor) -> torch.Tensor:

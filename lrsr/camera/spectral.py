@@ -17,11 +17,11 @@ import numpy as np
 import torch
 from torch import nn
 
+from lrsr.camera.checks import check_choice, check_light, numbers
 from lrsr.camera.colour_matrix import fit_matrix, observed
-from lrsr.camera.contract import check_light, check_setting
 from lrsr.camera.sensitivities import FloatArray, Per, colorchecker, find_sensitivities
 from lrsr.errors import InputError
-from lrsr.rendering.bands import BANDS, Spectrum, daylight, srgb_weights
+from lrsr.spectra import BANDS, Spectrum, daylight, srgb_weights
 
 Balance = Literal["scene", "daylight"]
 
@@ -64,11 +64,8 @@ class SpectralColour(nn.Module):
     ) -> None:
         super().__init__()
         self.sensitivities = find_sensitivities(sensitivities, per)
-        known = get_args(Balance)
-        check_setting("balance", balance, balance in known, f"one of {', '.join(known)}")
-        gains = tuple(float(gain) for gain in cast)
-        check_setting("cast", gains, len(gains) == 3 and min(gains) > 0, "three gains > 0")
-        self.balance, self.cast = balance, gains
+        self.balance = check_choice("balance", balance, get_args(Balance))
+        self.cast = numbers("cast", cast, 3, "three gains > 0", above=0)
 
     def filter(self, bands: torch.Tensor, spectrum: Spectrum | None) -> torch.Tensor:
         """Return what the filters let through.

@@ -21,8 +21,8 @@ from av.video.frame import PictureType
 from torch import nn
 from torch.nn import functional as F
 
+from lrsr.camera.checks import check_choice, check_origin, check_setting, check_srgb, number, whole
 from lrsr.camera.codec import jpeg_differentiable
-from lrsr.camera.contract import check_origin, check_setting
 from lrsr.errors import ImageContractError
 from lrsr.images import check_images
 
@@ -77,22 +77,19 @@ class Video(nn.Module):
         surround: str = "grey",
     ) -> None:
         super().__init__()
+        self.codec = check_choice("codec", codec, CODECS)
         low, high = (0, 51) if codec == "h264" else (2, 31)
-        rate = bit_rate_kbps is None or bit_rate_kbps > 0
-        for name, value, holds, wish in (
-            ("codec", codec, codec in CODECS, f"one of {', '.join(CODECS)}"),
-            ("crf", crf, low <= crf <= high, f"{low}..{high}"),
-            ("bit_rate_kbps", bit_rate_kbps, rate, "a number > 0, or null"),
-            ("frames", frames, frames >= 1, "a number >= 1"),
-            ("frames_per_s", frames_per_s, frames_per_s > 0, "a number > 0"),
-            ("speed", speed, speed in SPEEDS, f"one of {', '.join(SPEEDS)}"),
-            ("margin_px", margin_px, margin_px >= 0, "a number >= 0"),
-            ("surround", surround, surround in {"grey", "edge"}, "grey or edge"),
-        ):
-            check_setting(name, value, holds, wish)
-        self.codec, self.crf, self.bit_rate_kbps = codec, int(crf), bit_rate_kbps
-        self.frames, self.frames_per_s = int(frames), int(frames_per_s)
-        self.speed, self.margin_px, self.surround = speed, int(margin_px), surround
+        self.crf = whole("crf", crf, f"{low}..{high}", low=low, high=high)
+        self.bit_rate_kbps = bit_rate_kbps
+        if bit_rate_kbps is not None:
+            wish = "a number > 0, or null"
+            self.bit_rate_kbps = number("bit_rate_kbps", bit_rate_kbps, wish, above=0)
+        self.frames = whole("frames", frames, "a whole number >= 1", low=1)
+        self.frames_per_s = whole("frames_per_s", frames_per_s, "a whole number >= 1", low=1)
+        self.speed = check_choice("speed", speed, SPEEDS)
+        self.margin_px = whole("margin_px", margin_px, "a whole number >= 0", low=0)
+        check_setting("surround", surround, surround in {"grey", "edge"}, "grey or edge")
+        self.surround = surround
 
     def forward(
         self,
@@ -119,7 +116,7 @@ class Video(nn.Module):
             InputError: The place is no two whole numbers >= 0.
         """
         for frame in frames:
-            check_images(frame, name="srgb")
+            check_images(check_srgb(frame), name="srgb")
         if differentiable:
             quality, chroma = self.stand_in_quality, STAND_IN_CHROMA[self.codec]
             return jpeg_differentiable(frames[-1], quality, chroma=chroma, origin_px=origin_px)
@@ -127,8 +124,8 @@ class Video(nn.Module):
         played = []
         for recording in frames.unbind(1):
             framed, x, y = self._framed(recording, check_origin(origin_px), background)
-            pixels = framed.clamp(0, 1).mul(255).round().to(torch.uint8)
-            shown = play(self.record(pixels.permute(0, 2, 3, 1).cpu().numpy()))[-1][0]
+            pixels = framed.detach().mul(255).round().to(torch.uint8)
+            shown = play(self.record(pixels.permute(0, 2, 3, 1).cpu().numpy()), self.codec)[-1][0]
             played.append(torch.from_numpy(shown[y : y + size[0], x : x + size[1]].copy()))
         return torch.stack(played).permute(0, 3, 1, 2).contiguous().to(frames) / 255
 
@@ -138,8 +135,12 @@ class Video(nn.Module):
         measured = STAND_IN[self.codec]
         return round(float(np.interp(self.crf, list(measured), list(measured.values()))))
 
-    def record(self, frames: np.ndarray) -> "Recording":
-        """Encode ``(T, H, W, 3)`` uint8, H and W even, by one thread: the same bytes every time."""
+    def record(self, frames: np.ndarray) -> list[bytes]:
+        """Encode ``(T, H, W, 3)`` uint8, H and W even, by one thread: the same bytes every time.
+
+        Returns:
+            A packet for each frame.
+        """
         name, pixel_format = CODECS[self.codec]
         encoder = av.CodecContext.create(name, "w")
         encoder.height, encoder.width = frames.shape[1:3]
@@ -155,7 +156,8 @@ class Video(nn.Module):
             picture = colours.reformat(format=pixel_format, interpolation=_CAREFUL)
             picture.pts = i
             packets += [bytes(packet) for packet in encoder.encode(picture)]
-        return Recording(self.codec, [*packets, *(bytes(p) for p in encoder.encode(None))])
+        packets += [bytes(packet) for packet in encoder.encode(None)]
+        return [packet for packet in packets if packet]
 
     def _options(self) -> dict[str, str]:
         if self.codec == "mjpeg":
@@ -202,29 +204,12 @@ class Video(nn.Module):
 SPEEDS = ("ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow", "veryslow")
 
 
-class Recording:
-    """What an encoder has written.
-
-    Args:
-        codec: "h264" or "mjpeg".
-        packets: One for each frame.
-    """
-
-    def __init__(self, codec: str, packets: Sequence[bytes]) -> None:
-        self.codec, self.packets = codec, [packet for packet in packets if packet]
-
-    @property
-    def size_bytes(self) -> list[int]:
-        """Bytes of each frame."""
-        return [len(packet) for packet in self.packets]
-
-
-def play(recording: Recording) -> list[tuple[np.ndarray, str]]:
+def play(packets: Sequence[bytes], codec: str) -> list[tuple[np.ndarray, str]]:
     """Decode every frame: its pixels ``(H, W, 3)`` uint8 and its type, "I" or "P"."""
-    decoder = av.CodecContext.create(recording.codec, "r")
+    decoder = av.CodecContext.create(codec, "r")
     decoder.thread_count = 1
     shown = []
-    for packet in [*map(av.Packet, recording.packets), None]:
+    for packet in [*map(av.Packet, packets), None]:
         for frame in decoder.decode(packet):
             kind = PictureType(frame.pict_type).name
             colours = frame.reformat(format="rgb24", interpolation=_CAREFUL)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import torch
 
-from lrsr.camera.diffraction import check_positive
+from lrsr.camera.checks import check_positive
 from lrsr.camera.distortion import Distortion
-from lrsr.camera.field import pixel_grid, pixels_to_mm
+from lrsr.camera.image_plane import pixel_grid, pixels_to_mm
 from lrsr.errors import InputError
 
 

@@ -13,16 +13,16 @@ pairs, use :mod:`lrsr.evaluation.subjects`.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import log_ndtr, ndtri
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.counting import BLOCK, Array, Counter, Counts, Ints, check_scores, count
+from lrsr.evaluation.arrays import check_scores
+from lrsr.evaluation.placements import BLOCK, Counts, Genuine, Ints, class_placements, count
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,10 @@ class AucEstimate:
         wald_leaves_range: The Wald interval left [0, 1] and was cut: read the logit interval.
         degenerate: The variance is 0 (complete separation, or all scores alike): low = high = auc
             is no statement about the uncertainty.
+        subject_std: Standard error when persons, not pairs, were sampled; None where it was not
+            asked for or does not exist. See :mod:`lrsr.evaluation.subjects`.
+        subject_low: Lower end of the Wald interval by it, cut to [0, 1].
+        subject_high: Upper end of the same.
     """
 
     auc: float
@@ -56,10 +60,9 @@ class AucEstimate:
     logit_high: float | None = None
     wald_leaves_range: bool = False
     degenerate: bool = False
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the fields as a dict of numbers, None and booleans."""
-        return asdict(self)
+    subject_std: float | None = None
+    subject_low: float | None = None
+    subject_high: float | None = None
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,10 @@ class AucComparison:
         std: Standard error of the difference, covariance included.
         level: Confidence level of the interval.
         degenerate: The variance is 0: p is 1 or 0 by definition, not by evidence.
+        subject_std: Standard error when persons, not pairs, were sampled; None where it was not
+            asked for or does not exist.
+        subject_low: Lower end of the Wald interval by it.
+        subject_high: Upper end of the same.
     """
 
     difference: float
@@ -88,13 +95,9 @@ class AucComparison:
     std: float
     level: float = 0.95
     degenerate: bool = False
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the fields as a dict; an infinite z or log10_p becomes None."""
-        return {
-            key: None if isinstance(value, float) and not math.isfinite(value) else value
-            for key, value in asdict(self).items()
-        }
+    subject_std: float | None = None
+    subject_low: float | None = None
+    subject_high: float | None = None
 
 
 def measure_auc(genuine: ArrayLike, impostor: ArrayLike) -> float:
@@ -111,7 +114,7 @@ def measure_auc(genuine: ArrayLike, impostor: ArrayLike) -> float:
         >>> measure_auc([2, 3], [1, 2])
         0.875
     """
-    return float(_area(count(genuine, impostor)))
+    return auc_of_counts(count(genuine, impostor))
 
 
 def estimate_auc(genuine: ArrayLike, impostor: ArrayLike, level: float = 0.95) -> AucEstimate:
@@ -137,22 +140,23 @@ def estimate_auc(genuine: ArrayLike, impostor: ArrayLike, level: float = 0.95) -
     return estimate_auc_from_counts(count(genuine, impostor), level)
 
 
+def auc_of_counts(counts: Counts) -> float:
+    """Return the area under the ROC curve of scores that were counted, one of each kind or more."""
+    doubled = int((counts.ties * counts.genuine_placements).sum())
+    return float(Fraction(doubled, 2 * counts.n_genuine * counts.n_impostor))
+
+
 def estimate_auc_from_counts(counts: Counts, level: float = 0.95) -> AucEstimate:
-    """Estimate the area from counts, e.g. those of a :class:`~lrsr.evaluation.counting.Counter`.
+    """Estimate the area from counts, e.g. those of scores that were never stored.
 
     Raises:
         ScoreError: Fewer than two scores of a kind, or a level outside (0, 1).
     """
     m, n = counts.n_genuine, counts.n_impostor
-    if min(m, n) < 2:
-        raise ScoreError(
-            f"{m} genuine and {n} impostor scores: a variance needs two of each; "
-            "measure_auc gives the area alone"
-        )
-    impostor_placements, weights = counts.classes
+    _check_numbers(m, n)
     variance = _variance_of_mean(counts.genuine_placements, counts.ties) / (2 * n) ** 2
-    variance += _variance_of_mean(impostor_placements, weights) / (2 * m) ** 2
-    return auc_interval(float(_area(counts)), _root(variance), m, n, level)
+    variance += _variance_of_mean(class_placements(counts.ties), counts.sizes) / (2 * m) ** 2
+    return auc_interval(auc_of_counts(counts), math.sqrt(variance), m, n, level)
 
 
 def auc_interval(
@@ -221,7 +225,7 @@ def compare_aucs(
         >>> round(result.difference, 4), round(result.p, 3)
         (0.1667, 0.386)
     """
-    quantile = normal_quantile(level)
+    normal_quantile(level)
     sides = [
         (
             check_scores(genuine, f"{name} genuine", at_least=2),
@@ -236,17 +240,60 @@ def compare_aucs(
                 f"{a.size} {kind} scores of a against {b.size} of b: "
                 "a paired test wants the same pairs in the same order"
             )
-    m, n = genuine_a.size, impostor_a.size
-    counters = Counter(genuine_a), Counter(genuine_b)
-    impostor_moments = _difference_moments(counters, (impostor_a, impostor_b))
-    shift = _genuine_placements(counters[0], genuine_a) - _genuine_placements(
-        counters[1], genuine_b
-    )
-    # The sum over genuine placements and that over impostor placements are both 2 m n AUC.
-    difference = float(Fraction(int(shift.sum()), 2 * m * n))
-    variance = _variance_of_mean(shift, np.ones_like(shift)) / (2 * n) ** 2
-    variance += _variance_from_sums(*impostor_moments, n) / (2 * m) ** 2
-    return _compare(difference, _root(variance), quantile, level)
+    one, two = Genuine(genuine_a), Genuine(genuine_b)
+    counts_a, counts_b, sums = one.no_counts(), two.no_counts(), DifferenceSums()
+    for start in range(0, impostor_a.size, BLOCK):
+        part = slice(start, start + BLOCK)
+        classes_a = one.classes(impostor_a[part], start)
+        classes_b = two.classes(impostor_b[part], start)
+        counts_a += one.counts(classes_a)
+        counts_b += two.counts(classes_b)
+        sums.add(one.placements(classes_a), two.placements(classes_b))
+    return sums.compare(one.beats(counts_a), two.beats(counts_b), impostor_a.size, level)
+
+
+@dataclass
+class DifferenceSums:
+    """Sums over the impostor scores of two methods, which the paired test needs.
+
+    Attributes:
+        total: Of the differences of doubled placements.
+        squares: Of their squares.
+    """
+
+    total: int = 0
+    squares: int = 0
+
+    def add(self, placements_a: Ints, placements_b: Ints) -> None:
+        """Take placements of impostor scores of the same pairs, any shape; 0 in both counts not."""
+        shift = (placements_a - placements_b).reshape(-1)
+        self.total += int(shift.sum())
+        # As many squares at once as int64 surely holds.
+        step = max(1, (1 << 62) // max(1, int(np.abs(shift).max(initial=0))) ** 2)
+        for start in range(0, shift.size, step):
+            part = shift[start : start + step]
+            self.squares += int(np.dot(part, part))
+
+    def compare(self, beats_a: Ints, beats_b: Ints, n: int, level: float = 0.95) -> AucComparison:
+        """Test for a difference, once all impostor scores were taken.
+
+        Args:
+            beats_a: ``(m,)`` what each genuine score of a beats; see :meth:`Genuine.beats`.
+            beats_b: ``(m,)`` the same of b, in the same order.
+            n: How many impostor scores there were.
+            level: Confidence level of the interval of the difference.
+
+        Raises:
+            ScoreError: Fewer than two scores of a kind, or a level outside (0, 1).
+        """
+        quantile, m = normal_quantile(level), beats_a.size
+        _check_numbers(m, n)
+        shift = beats_a - beats_b
+        # The sum over genuine placements and that over impostor placements are both 2 m n AUC.
+        difference = float(Fraction(int(shift.sum()), 2 * m * n))
+        variance = _variance_of_mean(shift, np.ones_like(shift)) / (2 * n) ** 2
+        variance += _variance_from_sums(self.total, self.squares, n) / (2 * m) ** 2
+        return _compare(difference, math.sqrt(variance), quantile, level)
 
 
 def _compare(difference: float, std: float, quantile: float, level: float) -> AucComparison:
@@ -267,32 +314,12 @@ def _compare(difference: float, std: float, quantile: float, level: float) -> Au
     )
 
 
-def _difference_moments(
-    counters: tuple[Counter, Counter], impostors: tuple[Array, Array]
-) -> tuple[int, int]:
-    """Sum the differences of doubled impostor placements, and their squares; count on the way."""
-    total = squares = 0
-    step = max(BLOCK // 2, 8 * counters[0].values.size)
-    for start in range(0, impostors[0].size, step):
-        a, b = (
-            counter.place(impostor[start : start + step])
-            for counter, impostor in zip(counters, impostors, strict=True)
+def _check_numbers(m: int, n: int) -> None:
+    if min(m, n) < 2:
+        raise ScoreError(
+            f"{m} genuine and {n} impostor scores: a variance needs two of each; "
+            "measure_auc gives the area alone"
         )
-        a -= b
-        total += int(a.sum())
-        squares += int(np.dot(a, a))
-    return total, squares
-
-
-def _genuine_placements(counter: Counter, genuine: Array) -> Ints:
-    """Return twice the placement of each genuine score, in the order given."""
-    counts = counter.counts()
-    return counts.genuine_placements[np.searchsorted(counts.values, genuine)]
-
-
-def _area(counts: Counts) -> Fraction:
-    doubled = int((counts.ties * counts.genuine_placements).sum())
-    return Fraction(doubled, 2 * counts.n_genuine * counts.n_impostor)
 
 
 def _variance_of_mean(values: Ints, weights: Ints) -> Fraction:
@@ -312,10 +339,6 @@ def _variance_of_mean(values: Ints, weights: Ints) -> Fraction:
 
 def _variance_from_sums(total: int, squares: int, size: int) -> Fraction:
     return Fraction(squares * size - total**2, size * size * (size - 1))
-
-
-def _root(variance: Fraction) -> float:
-    return math.sqrt(variance)
 
 
 def normal_quantile(level: float) -> float:

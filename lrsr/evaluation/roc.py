@@ -11,15 +11,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtri
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.counting import Counts, Ints, count
 from lrsr.evaluation.delong import normal_quantile
+from lrsr.evaluation.placements import Counts, Ints, count
 
 Floats = NDArray[np.float64]
 
@@ -64,25 +62,6 @@ class RocCurve:
         doubled = int((steps * (self.true_matches[1:] + self.true_matches[:-1])).sum())
         return doubled / (2 * self.n_genuine * self.n_impostor)
 
-    def tmr_at(self, fmr: ArrayLike) -> Floats:
-        """Return the largest true-match rate that some threshold reaches at or below each FMR.
-
-        Args:
-            fmr: Any shape, [0, 1].
-        """
-        corner = np.searchsorted(self.fmr, np.asarray(fmr, dtype=np.float64), side="right") - 1
-        return np.asarray(self.tmr[corner])
-
-    def as_json(self) -> dict[str, Any]:
-        """Return plain lists and numbers; the infinite first threshold becomes None."""
-        return {
-            "thresholds": [t if math.isfinite(t) else None for t in self.thresholds.tolist()],
-            "fmr": self.fmr.tolist(),
-            "tmr": self.tmr.tolist(),
-            "n_genuine": self.n_genuine,
-            "n_impostor": self.n_impostor,
-        }
-
 
 @dataclass(frozen=True, eq=False)
 class RocBand:
@@ -99,23 +78,6 @@ class RocBand:
     low: Floats
     high: Floats
     level: float
-
-
-@dataclass(frozen=True, eq=False)
-class DetPoints:
-    """Points for a DET plot (Martin et al., Eurospeech 1997): both error rates as normal deviates.
-
-    Attributes:
-        fmr: ``(d,)`` false-match rates in (0, 1).
-        fnmr: ``(d,)`` false-non-match rates in (0, 1).
-        fmr_deviate: ``(d,)`` standard normal quantile of the FMR.
-        fnmr_deviate: ``(d,)`` standard normal quantile of the FNMR.
-    """
-
-    fmr: Floats
-    fnmr: Floats
-    fmr_deviate: Floats
-    fnmr_deviate: Floats
 
 
 def trace_roc(genuine: ArrayLike, impostor: ArrayLike) -> RocCurve:
@@ -234,17 +196,3 @@ def band(curve: RocCurve, level: float = 0.95) -> RocBand:
     low = np.where(left >= 0, tmr_low[left], 0.0)
     high = np.where(right < tmr_high.size, tmr_high[np.minimum(right, tmr_high.size - 1)], 1.0)
     return RocBand(grid, low, high, level)
-
-
-def det_points(curve: RocCurve) -> DetPoints:
-    """Return the corners of a curve on normal-deviate axes; rates of 0 and 1 have no place there.
-
-    Example:
-        >>> points = det_points(trace_roc([1, 2, 3], [0, 1, 2]))
-        >>> points.fnmr.round(3).tolist(), points.fmr_deviate.round(3).tolist()
-        ([0.333], [-0.431])
-    """
-    fmr, fnmr = curve.fmr, curve.fnmr
-    inside = (fmr > 0) & (fmr < 1) & (fnmr > 0) & (fnmr < 1)
-    fmr, fnmr = fmr[inside], fnmr[inside]
-    return DetPoints(fmr, fnmr, ndtri(fmr), ndtri(fnmr))

@@ -3,7 +3,7 @@
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from lrsr.camera import Camera
 from lrsr.evaluation.distinctness import Drawn, summarise
 from lrsr.experiments.report.demographics import draw_spread, spread
-from lrsr.experiments.report.figures import data_uri, draw_angles, encode_face
-from lrsr.experiments.report.page import FILE, flat, template
+from lrsr.experiments.report.figures import draw_angles
+from lrsr.experiments.report.page import flat
 from lrsr.experiments.report.sheets import draw_portraits
 from lrsr.experiments.uniqueness import (
     Findings,
@@ -27,11 +27,13 @@ from lrsr.experiments.uniqueness import (
 )
 from lrsr.files import write_bytes, write_json, write_text
 from lrsr.identities.roster import write_roster
+from lrsr.pages import FILE, data_uri, encode_face, template
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import Entry, write_manifest
+from lrsr.pictures.image_files import write_png
 from lrsr.pictures.maker import Maker, mitsuba_maker
 from lrsr.pictures.picture import Picture
-from lrsr.pictures.to_folder import write_picture
+from lrsr.pictures.to_folder import Shoot, describe_picture
 from lrsr.provenance import versions
 from lrsr.recognition.encoders import load_encoder
 
@@ -176,13 +178,13 @@ def _write_pictures(
 ) -> dict[Drawn, Look]:
     """Write everyone's picture and the manifest; return the looks of those who are shown."""
     rows: list[Entry] = []
+    shoot = Shoot(gallery.settings.gallery, gallery.camera)
     looks: dict[Drawn, Look] = {}
     for start in range(0, len(drawn), 64):
         some = drawn[start : start + 64]
         for one, picture in zip(some, gallery.photograph(some), strict=True):
-            row = write_picture(
-                folder / PICTURES, picture, gallery.recipe(one), gallery.camera, PLACEHOLDER
-            )
+            row = describe_picture(picture, gallery.recipe(one), shoot, gallery.maker.versions)
+            write_png(folder / PICTURES / row.file, picture.image)
             rows.append(replace(row, file=f"{PICTURES}/{row.file}"))
             if one in shown:
                 looks[one] = Look(picture.image.numpy(), _caption(picture))

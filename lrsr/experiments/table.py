@@ -1,25 +1,18 @@
-"""What does a verification experiment report? Rows, comparisons, and ``results.json``."""
+"""What does a verification experiment report? Rows and comparisons, as in ``results.json``."""
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lrsr.evaluation.biometrics import (
-    OperatingPoint,
-    cmc,
-    d_prime,
-    equal_error_rate,
-    fnmr_at_fmr,
-)
-from lrsr.evaluation.delong import compare_aucs, estimate_auc
-from lrsr.experiments.settings import Condition
-from lrsr.recognition.scores import Scores
-
-BICUBIC_OF = {"srcnn2": "bicubic2", "srcnn2x2": "bicubic4", "srcnn4": "bicubic4"}
-"""What each learned method must beat: the bicubic enlargement by the same factor."""
+from lrsr.evaluation.delong import AucComparison
+from lrsr.evaluation.rates import OperatingPoint
+from lrsr.evaluation.roc import RocCurve
+from lrsr.evaluation.scores import ScoreSource
+from lrsr.evaluation.summary import Summary, summarise
+from lrsr.experiments.design import Condition, Design
+from lrsr.sr.upscaler import Upscaler
 
 TARGET_FMRS = (1e-1, 1e-2, 1e-3)
 
@@ -31,13 +24,13 @@ class Row:
     Attributes:
         experiment: Name.
         option: Number of the option, 1 to 6 of the paper's Table 2.
-        ipd_px: Interpupillary distance of the probe before enlarging, px.
-        pose: Of the probe.
+        ipd_px: Interpupillary distance of the probe before enlarging, px; None: not known.
+        pose: Of the probe; empty of photographs, as the next two.
         lighting: Of the probe.
         compression: Of the probe.
-        method: Key of :data:`lrsr.sr.upscaling.METHODS`.
+        method: Name of the upscaler.
         label: Its name in tables.
-        landmarks: "shared": the renderer's true ones, scaled.
+        landmarks: "shared": the true ones, scaled.
         auc: Area under the ROC curve.
         std: DeLong's standard error of it.
         low: Lower end of the Wald interval.
@@ -45,6 +38,10 @@ class Row:
         level: Confidence level of every interval.
         logit_low: Lower end of the interval on the logit scale; None where it does not exist.
         logit_high: Upper end of the same.
+        subject_std: Standard error when people, not pairs, were sampled (jackknife); None where
+            too few are left to leave one out.
+        subject_low: Lower end of its interval.
+        subject_high: Upper end of its interval.
         n_genuine: Genuine scores.
         n_impostor: Impostor scores.
         psnr_y_db: Mean over the probes, against the true reference; None where nothing is enlarged.
@@ -57,7 +54,7 @@ class Row:
 
     experiment: str
     option: int
-    ipd_px: float
+    ipd_px: float | None
     pose: str
     lighting: str
     compression: str
@@ -71,6 +68,9 @@ class Row:
     level: float
     logit_low: float | None
     logit_high: float | None
+    subject_std: float | None
+    subject_low: float | None
+    subject_high: float | None
     n_genuine: int
     n_impostor: int
     psnr_y_db: float | None
@@ -93,97 +93,130 @@ class Comparison:
         difference: AUC of ``method`` less that of ``against``.
         low: Lower end of its interval.
         high: Upper end of its interval.
+        subject_low: Lower end of the interval when people, not pairs, were sampled.
+        subject_high: Upper end of the same.
         z: Difference over its standard error; None where that is 0.
         p: Two-sided.
         log10_p: The same, where p underflows; None for p = 0.
     """
 
     option: int
-    ipd_px: float
+    ipd_px: float | None
     method: str
     against: str
     difference: float
     low: float
     high: float
+    subject_low: float | None
+    subject_high: float | None
     z: float | None
     p: float
     log10_p: float | None
 
 
-def make_row(
-    experiment: str,
+def evaluate(
+    design: Design,
     condition: Condition,
-    method: tuple[str, str],
-    scores: Scores,
-    psnr_y_db: float | None,
-    level: float,
-) -> Row:
-    """Evaluate one method under one condition.
+    scores: Mapping[str, ScoreSource],
+    decibels: Mapping[str, Sequence[float]],
+) -> tuple[tuple[Row, ...], tuple[Comparison, ...], dict[str, RocCurve]]:
+    """Evaluate all methods under one condition, and test them in pairs.
 
     Args:
-        experiment: Name.
+        design: What was asked.
         condition: Of the probes.
-        method: Key and label.
-        scores: Of the probes against the gallery.
-        psnr_y_db: See :class:`Row`.
-        level: Of the interval, (0, 1).
+        scores: By method.
+        decibels: By method, the PSNR of each probe; empty where there is no reference.
+
+    Returns:
+        A row a method, the paired tests, and the ROC curve of each method.
 
     Raises:
         ScoreError: Fewer than two genuine or impostor scores are left.
     """
-    genuine, impostor = scores.genuine(), scores.impostor()
-    area = estimate_auc(genuine, impostor, level)
+    pairs = rivals(design.upscalers)
+    found = summarise(scores, pairs=pairs, level=design.level, target_fmrs=TARGET_FMRS)
+    rows = tuple(
+        _row(design, condition, method, summary, mean_psnr_db(decibels[method]))
+        for method, summary in found.summaries.items()
+    )
+    tests = tuple(_comparison(condition, pair, found.comparisons[pair]) for pair in pairs)
+    return rows, tests, {method: summary.curve for method, summary in found.summaries.items()}
+
+
+def rivals(upscalers: Mapping[str, Upscaler]) -> list[tuple[str, str]]:
+    """Pair every method with the picture as it is, and every learned one with its bicubic.
+
+    The bicubic of a learned method is the one that enlarges as much; what is not among the methods
+    is not compared with.
+    """
+    plain = {upscaler.scale: name for name, upscaler in upscalers.items() if not upscaler.learned}
+    return [
+        (name, against)
+        for name, upscaler in upscalers.items()
+        for against in dict.fromkeys(
+            (plain.get(1), plain.get(upscaler.scale) if upscaler.learned else None)
+        )
+        if against is not None and against != name
+    ]
+
+
+def mean_psnr_db(per_image_db: Sequence[float]) -> float | None:
+    """Average per-image PSNR; None without any, or if an image equals its reference (infinite)."""
+    return _finite(float(np.mean(per_image_db))) if len(per_image_db) else None
+
+
+def _row(
+    design: Design, condition: Condition, method: str, summary: Summary, psnr_y_db: float | None
+) -> Row:
+    area = summary.area
     return Row(
-        experiment=experiment,
-        **asdict(condition),
-        method=method[0],
-        label=method[1],
+        experiment=design.name,
+        option=condition.option,
+        ipd_px=condition.ipd_px,
+        pose=condition.pose,
+        lighting=condition.lighting,
+        compression=condition.compression,
+        method=method,
+        label=design.upscalers[method].label,
         landmarks="shared",
         auc=area.auc,
         std=area.std,
         low=area.low,
         high=area.high,
-        level=level,
+        level=area.level,
         logit_low=area.logit_low,
         logit_high=area.logit_high,
+        subject_std=area.subject_std,
+        subject_low=area.subject_low,
+        subject_high=area.subject_high,
         n_genuine=area.n_genuine,
         n_impostor=area.n_impostor,
-        psnr_y_db=_finite(psnr_y_db),
-        fta=scores.fta,
-        eer=equal_error_rate(genuine, impostor).eer,
-        d_prime=d_prime(genuine, impostor),
-        rank_1=cmc(scores, max_rank=1).rank_1,
-        fnmr=tuple(fnmr_at_fmr(genuine, impostor, fmr, level) for fmr in TARGET_FMRS),
+        psnr_y_db=psnr_y_db,
+        fta=summary.fta,
+        eer=summary.eer,
+        d_prime=summary.d_prime,
+        rank_1=summary.cmc.rank_1,
+        fnmr=summary.fnmr,
     )
 
 
-def compare_methods(
-    condition: Condition, scores: Mapping[str, Scores], level: float
-) -> Iterator[Comparison]:
-    """Test every method against Base, and every learned one against its bicubic, where present."""
-    for method, own in scores.items():
-        for against in ("base", BICUBIC_OF.get(method)):
-            if against is None or against == method or against not in scores:
-                continue
-            test = compare_aucs(*own.pair_with(scores[against]), level=level)
-            yield Comparison(
-                option=condition.option,
-                ipd_px=condition.ipd_px,
-                method=method,
-                against=against,
-                difference=test.difference,
-                low=test.low,
-                high=test.high,
-                z=_finite(test.z),
-                p=test.p,
-                log10_p=_finite(test.log10_p),
-            )
+def _comparison(condition: Condition, pair: tuple[str, str], test: AucComparison) -> Comparison:
+    return Comparison(
+        option=condition.option,
+        ipd_px=condition.ipd_px,
+        method=pair[0],
+        against=pair[1],
+        difference=test.difference,
+        low=test.low,
+        high=test.high,
+        subject_low=test.subject_low,
+        subject_high=test.subject_high,
+        z=_finite(test.z),
+        p=test.p,
+        log10_p=_finite(test.log10_p),
+    )
 
 
-def mean_psnr_db(per_image_db: NDArray[np.float64]) -> float | None:
-    """Average per-image PSNR; None if an image equals its reference (infinite)."""
-    return _finite(float(np.mean(per_image_db)))
-
-
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

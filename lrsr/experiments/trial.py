@@ -9,6 +9,7 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.evaluation.quality import psnr_y
+from lrsr.evaluation.roc import RocCurve
 from lrsr.evaluation.scores import CosineScores
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.table import Comparison, Row, evaluate
@@ -43,7 +44,7 @@ class Outcome:
         condition: The condition.
         rows: A row a method, in the order asked for.
         comparisons: Each method against the picture as it is and against its bicubic.
-        scores: By method.
+        curves: ROC curve of each method.
         pictures: The first people, by column: "Gallery", "Probe", each method's label,
             "Reference"; each ``(n, 3, h, w)`` srgb; photographs of several sizes show none.
         people: Who they are.
@@ -52,7 +53,7 @@ class Outcome:
     condition: Condition
     rows: tuple[Row, ...]
     comparisons: tuple[Comparison, ...]
-    scores: Mapping[str, CosineScores]
+    curves: Mapping[str, RocCurve]
     pictures: Mapping[str, torch.Tensor]
     people: Sequence[str]
 
@@ -139,17 +140,17 @@ class Trial:
                 if source is not None
             }
             for method, upscaler in upscalers.items():
-                rows, quality = self._enlarge_and_embed(some, upscaler, true.get(upscaler.scale))
-                embedded[method].append(rows)
+                found, quality = self._enlarge_and_embed(some, upscaler, true.get(upscaler.scale))
+                embedded[method].append(found)
                 decibels[method] += quality
         ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
         scores = {
             method: CosineScores(np.concatenate(parts), enrolled, *ids)
             for method, parts in embedded.items()
         }
-        table, comparisons = evaluate(self.design, condition, scores, decibels)
+        rows, comparisons, curves = evaluate(self.design, condition, scores, decibels)
         pictures = self._pictures(probes, references, shown)
-        return Outcome(condition, table, comparisons, scores, pictures, ids[0][:SHOWN])
+        return Outcome(condition, rows, comparisons, curves, pictures, ids[0][:SHOWN])
 
     def _enlarge_and_embed(
         self,

@@ -112,7 +112,7 @@ class Gallery:
         self.embeddings: dict[Drawn, NDArray[np.float32]] = {}
         self._cache = cache
         self.camera = camera.clean()
-        self._maker, self._progress = maker or mitsuba_maker(), progress
+        self.maker, self._progress = maker or mitsuba_maker(), progress
 
     def recipe(self, drawn: Drawn) -> Recipe:
         """Return what somebody is rendered as; the same as the gallery of ``lrsr eval``."""
@@ -130,7 +130,7 @@ class Gallery:
             InputError: The cache cannot be read or written.
         """
         recipes = [filmed(self.recipe(one), self.camera) for one in drawn]
-        render_missing(recipes, self._cache, progress=self._progress, maker=self._maker)
+        render_missing(recipes, self._cache, progress=self._progress, maker=self.maker)
         with tqdm(
             total=len(drawn), desc="comparing", unit="face", disable=not self._progress
         ) as bar:
@@ -153,7 +153,7 @@ class Gallery:
         """
         recipes = [self.recipe(one) for one in drawn]
         return take_pictures(
-            recipes, self._cache, self.camera, progress=self._progress, maker=self._maker
+            recipes, self._cache, self.camera, progress=self._progress, maker=self.maker
         )
 
     def judge(self, drawn: Sequence[Drawn]) -> list[Mapping[str, Any]]:

@@ -6,7 +6,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from lrsr.evaluation.roc import trace_roc
 from lrsr.experiments.design import Design
 from lrsr.experiments.report.page import Panel, Report, write_report
 from lrsr.experiments.report.sheets import draw_contact_sheet
@@ -103,10 +102,7 @@ def _panel(outcome: Outcome) -> Panel:
         words += [f"light {condition.lighting}", f"compression {condition.compression}"]
     return Panel(
         title=", ".join(words),
-        curves={
-            row.label: trace_roc(scores)
-            for row, scores in zip(outcome.rows, outcome.scores.values(), strict=True)
-        },
+        curves={row.label: outcome.curves[row.method] for row in outcome.rows},
         pictures={name: images.numpy() for name, images in outcome.pictures.items()},
         people=outcome.people,
     )

@@ -1,12 +1,11 @@
 """What does a person's skin look like? Pigments, lips, brows, beard, marks and lines as textures.
 
-:func:`sample_appearance` draws plain numbers, :func:`paint_skin` turns them into a linear albedo,
+:func:`sample_appearance` draws plain numbers, :class:`SkinPainter` turns them into a linear albedo,
 a relief and a sheen. Everything is drawn on the template head and reaches the texture through its
 position map.
 """
 
-from dataclasses import dataclass
-from typing import Any, TypedDict
+from typing import NamedTuple, TypedDict
 
 import cv2
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lrsr.identities.face.iris import Iris, sample_iris
 from lrsr.identities.face.lashes import Lashes, sample_lashes
+from lrsr.identities.shape.position_map import PositionMap
 from lrsr.identities.skin import regions
 from lrsr.identities.skin.beard import Beard, sample_beard
 from lrsr.identities.skin.brows import Brows, sample_brows
@@ -32,7 +32,7 @@ from lrsr.identities.skin.relief import split_heights
 from lrsr.identities.skin.sheen import Sheen, SheenPainter, sample_sheen
 
 
-class Appearance(TypedDict):
+class _Appearance(TypedDict):
     """Everything about one person that is painted; plain numbers and names, JSON-serialisable."""
 
     complexion: Complexion
@@ -49,8 +49,7 @@ class Appearance(TypedDict):
     sheen: Sheen
 
 
-@dataclass(frozen=True)
-class SkinMaps:
+class SkinMaps(NamedTuple):
     """Painted skin.
 
     Attributes:
@@ -74,7 +73,7 @@ def sample_appearance(
     masculinity: float,
     age: float,
     ancestry: ArrayLike,
-) -> Appearance:
+) -> _Appearance:
     """Draw what a person's skin, lips, brows, beard and eyes look like.
 
     Args:
@@ -89,7 +88,7 @@ def sample_appearance(
     """
     shares = np.asarray(ancestry, dtype=np.float64)
     asian, european = float(shares[1]), float(shares[2])
-    child = dict(zip(Appearance.__annotations__, rng.spawn(12), strict=True))
+    child = dict(zip(_Appearance.__annotations__, rng.spawn(12), strict=True))
     hair = sample_hair_colour(
         child["hair_colour"], age=age, ancestry=shares, masculinity=masculinity
     )
@@ -116,34 +115,23 @@ class SkinPainter:
     """Paints the skin of any number of people into one texture layout.
 
     Args:
-        position_map: ``(H, W, 3)`` float32, the template point of each texel, mm.
-        mask: ``(H, W)`` bool, which texels lie on the skin.
-        vertices: ``(V, 3)``, the template's vertices that will be displaced, mm; none by default.
-
-    Raises:
-        ValueError: The shapes disagree or the mask is empty.
+        chart: The template point of each texel.
+        vertices: ``(V, 3)``, the template's vertices that will be displaced, mm.
     """
 
-    def __init__(
-        self,
-        position_map: NDArray[Any],
-        mask: NDArray[np.bool_],
-        vertices: NDArray[Any] | None = None,
-    ) -> None:
-        layout = Layout(position_map, mask)
-        vertices = np.zeros((0, 3)) if vertices is None else vertices
-        self._layout = layout
+    def __init__(self, chart: PositionMap, vertices: NDArray[np.floating]) -> None:
+        self._layout = layout = Layout(chart)
         self._pigments = PigmentPainter(layout)
         self._grain = GrainPainter(layout)
         size = layout.coarse.shape[1::-1]
         lips = cv2.resize(layout.lips, size, interpolation=cv2.INTER_AREA)
         self._sheen = SheenPainter(layout.coarse, np.asarray(lips))
-        self._features = FeaturePainter(layout.position, vertices, layout.texel_mm)
         vertices = np.asarray(vertices, dtype=np.float32)
+        self._features = FeaturePainter(layout, vertices)
         self._vertex_pixels = regions.FACE.to_pixels(vertices)
         self._vertex_front = regions.front(vertices)
 
-    def paint(self, appearance: Appearance, seed: int) -> SkinMaps:
+    def paint(self, appearance: _Appearance, seed: int) -> SkinMaps:
         """Paint one person.
 
         Args:
@@ -175,27 +163,6 @@ class SkinPainter:
         self._features.paint_brows(albedo, appearance["brows"], hair, of_brows)
         np.clip(albedo, 0.0, 1.0, out=albedo)
         roughness = self._sheen.paint(appearance["sheen"], of_sheen)
-        return SkinMaps(albedo, grain.height, roughness, self._displace(coarse, beard))
-
-    def _displace(self, heights: FloatMap, beard: FloatMap) -> FloatMap:
-        if not len(self._vertex_front):
-            return np.zeros(0, dtype=np.float32)
-        grooves = regions.FACE.sample(heights, self._vertex_pixels) * self._vertex_front
-        return np.asarray(grooves + beard, dtype=np.float32)
-
-
-def paint_skin(
-    appearance: Appearance, seed: int, position_map: NDArray[Any], mask: NDArray[np.bool_]
-) -> SkinMaps:
-    """Paint one person; for many people keep a :class:`SkinPainter`, whose setting-up takes longer.
-
-    Args:
-        appearance: As :func:`sample_appearance` draws it.
-        seed: Of the noise and of the single hairs, >= 0.
-        position_map: ``(H, W, 3)`` float32, the template point of each texel, mm.
-        mask: ``(H, W)`` bool, which texels lie on the skin.
-
-    Returns:
-        Albedo, ``(H, W, 3)``, and no displacement.
-    """
-    return SkinPainter(position_map, mask).paint(appearance, seed)
+        grooves = regions.FACE.sample(coarse, self._vertex_pixels) * self._vertex_front
+        displacement = np.asarray(grooves + beard, dtype=np.float32)
+        return SkinMaps(albedo, grain.height, roughness, displacement)

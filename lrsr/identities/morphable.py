@@ -25,13 +25,22 @@ from lrsr.identities.face.mouth import JAW_UNITS, build_mouth, cavity, lining
 from lrsr.identities.face.resting import RestingFace, act, rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.gate import draw_plausible, record
-from lrsr.identities.gate.hair_fit import grow_shell
 from lrsr.identities.gate.mildness import draws_averaged, mean_anatomy
 from lrsr.identities.gate.plausibility import Plausibility, check_face, check_hair
-from lrsr.identities.hair.hair import Scalp, build_hair, mean_colour, sample_hair
+from lrsr.identities.hair.choice import sample_hair
+from lrsr.identities.hair.hair import build_hair
+from lrsr.identities.hair.scalp import Scalp
+from lrsr.identities.hair.shell import lay_shell, strand_stream
+from lrsr.identities.hair.texture import mean_colour
 from lrsr.identities.head import Head, Part
-from lrsr.identities.population import EVERYBODY, OLDEST_YEARS, YOUNGEST_YEARS, Population
-from lrsr.identities.shape.anatomy import RACES, Anatomy, coefficients, sample_anatomy
+from lrsr.identities.population import (
+    ANCESTRIES,
+    EVERYBODY,
+    OLDEST_YEARS,
+    YOUNGEST_YEARS,
+    Population,
+)
+from lrsr.identities.shape.anatomy import Anatomy, coefficients, sample_anatomy
 from lrsr.identities.shape.basis import BaseHead, load_basis
 from lrsr.identities.shape.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.shape.proportions import load_gauge
@@ -43,8 +52,7 @@ RECIPE_VERSION = "8"
 STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")
 """One independent source of chance for each; append, never reorder."""
 
-EYE_TEXTURE = 256
-LASH_ALBEDO = 0.015
+_LASH_ALBEDO = 0.015
 
 
 def stream(seed: int, name: str, attempt: int = 0) -> Generator:
@@ -79,7 +87,7 @@ def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[
 
     Returns:
         JSON-serialisable: ``sex``, ``masculinity`` (0..1), ``age`` (0..1), ``age_years`` (25..75),
-        ``ancestry`` (shares of :data:`lrsr.identities.shape.anatomy.RACES`), ``anatomy`` (see
+        ``ancestry`` (shares of :data:`lrsr.identities.population.ANCESTRIES`), ``anatomy`` (see
         :class:`lrsr.identities.shape.anatomy.Anatomy`), what skin, eyes and hair need, and
         ``gate``, what was drawn again and why (see :func:`lrsr.identities.gate.gate.record`).
 
@@ -92,15 +100,17 @@ def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[
 def _draw_person(seed: int, population: Population) -> tuple[dict[str, Any], RestingFace]:
     """Draw a person and the face at rest; the gate judges neither texture nor expression."""
     who = _draw_traits(seed, population)
+    iris = who["appearance"]["iris"]["half_angle_rad"]
     anatomy = draw_plausible(
         lambda attempt: _draw_face(who, attempt),
-        lambda drawn: check_face(drawn[1].skin, drawn[1].eyes, who),
+        lambda drawn: check_face(drawn[1].skin, drawn[1].eyes, who["sex"], iris),
     )
     numbers, face = anatomy.drawn
     skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
 
     def judge_hair(hair: Mapping[str, Any]) -> Plausibility:
-        return check_hair(grow_shell(hair, skin, seed), skin, pupils, {"hair": hair})
+        shell = lay_shell(hair, skin, strand_stream(seed)).vertices.astype(np.float32)
+        return check_hair(shell, skin, pupils, stands=hair["sunk_mm"] == 0.0)
 
     hair = draw_plausible(lambda attempt: _draw_hair(who, attempt), judge_hair)
     gate = record([anatomy, hair])
@@ -112,7 +122,7 @@ def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
     rng = stream(seed, "person")
     masculinity = population.masculinity(_sample_masculinity(rng))
     age = population.age(float(rng.beta(1.1, 1.5)))
-    shares = population.shares(rng.dirichlet([0.25] * len(RACES)))
+    shares = population.shares(rng.dirichlet([0.25] * len(ANCESTRIES)))
     return {
         "seed": seed,
         "recipe": RECIPE_VERSION,
@@ -120,7 +130,7 @@ def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
         "masculinity": masculinity,
         "age": age,
         "age_years": YOUNGEST_YEARS + (OLDEST_YEARS - YOUNGEST_YEARS) * age,
-        "ancestry": {race: float(share) for race, share in zip(RACES, shares, strict=True)},
+        "ancestry": {race: float(share) for race, share in zip(ANCESTRIES, shares, strict=True)},
         "appearance": sample_appearance(
             stream(seed, "appearance"), masculinity=masculinity, age=age, ancestry=shares
         ),
@@ -174,7 +184,7 @@ def position_map(texture_size: int) -> PositionMap:
 
 @lru_cache(maxsize=2)
 def _painter(texture_size: int) -> SkinPainter:
-    return SkinPainter(*position_map(texture_size), vertices=template().skin)
+    return SkinPainter(position_map(texture_size), template().skin)
 
 
 @lru_cache(maxsize=2)
@@ -200,17 +210,12 @@ def _make_eyes(
     ball, rng = unit_ball(), stream(parameters["seed"], "eyes")
     appearance = parameters["appearance"]
     for which, name in enumerate(("left_eye", "right_eye")):
-        iris = paint_eye(
-            appearance["iris"],
-            rng,
-            texture_size=EYE_TEXTURE,
-            margins=eye_chart(eyes, which, margins[which]),
-        )
+        iris = paint_eye(appearance["iris"], rng, eye_chart(eyes, which, margins[which]))
         yield Part(name, "eye", eyeball_vertices(eyes, which), ball.faces, ball.uv, iris)
 
     hairs = place_lashes(margins, eyes, appearance["lashes"], rng)
     uv = np.full((len(hairs), 2), 0.5, np.float32)
-    albedo = np.full((4, 4, 3), LASH_ALBEDO, np.float32)
+    albedo = np.full((4, 4, 3), _LASH_ALBEDO, np.float32)
     yield Part("lashes", "lash", hairs, lash_faces(), uv, albedo)
 
 
@@ -249,20 +254,11 @@ def sample_head(
     acting, points = act(face, expression)
     eyes, surface = face.eyes, load_basis().surface
     points = cavity().hollow(points)
-    maps = _paint_skin(parameters, texture_size)
-    relief = displace(points, surface.faces, maps.displacement * cavity().outside)
+    albedo, height, roughness, displacement = _paint_skin(parameters, texture_size)
+    relief = displace(points, surface.faces, displacement * cavity().outside)
     skin = clear_lids(relief, eyes, template().lids).astype(np.float32)
     parts = (
-        Part(
-            "skin",
-            "skin",
-            skin,
-            surface.faces,
-            surface.uv,
-            maps.albedo,
-            maps.height,
-            maps.roughness,
-        ),
+        Part("skin", "skin", skin, surface.faces, surface.uv, albedo, height, roughness),
         *_make_eyes(eyes, lid_margins(points, eyes, template().lids), parameters),
         build_hair(parameters["hair"], skin, seed),
         _make_mouth(face.shape, acting, parameters),

@@ -17,7 +17,7 @@ Sex = Literal["any", "female", "male"]
 SEXES: tuple[Sex, ...] = get_args(Sex)
 
 ANCESTRIES = ("african", "asian", "caucasian")
-"""The poles of the shape space, in the order of :data:`lrsr.identities.shape.anatomy.RACES`."""
+"""The poles of the shape space."""
 
 YOUNGEST_YEARS, OLDEST_YEARS = 25.0, 75.0
 """What the shape space's young and old adult stand for; nobody is younger or older."""

@@ -151,7 +151,7 @@ class IdentityRange:
     def __post_init__(self) -> None:
         for name in ("ancestry", "age_years"):  # a configuration hands out lists
             object.__setattr__(self, name, tuple(getattr(self, name)))
-        require(self.split in SPLITS, "identities.split", self.split, f"one of {SPLITS}")
+        require(self.split in SPLITS, "identities.split", self.split, f"one of {', '.join(SPLITS)}")
         last = LARGEST_INDEX - self.count + 1
         require(1 <= self.count <= LARGEST_INDEX, "identities.count", self.count, "at least 1")
         require(0 <= self.start <= last, "identities.start", self.start, f"0 to {last}")

@@ -9,9 +9,10 @@ the person that the file is named after.
 import csv
 import io
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
-from pathlib import Path
+from pathlib import Path, PurePosixPath
+from typing import Any
 
 import torch
 
@@ -97,7 +98,7 @@ _NUMBERS = ("ipd_px", "yaw_deg", "pitch_deg", "roll_deg")
 _WHOLE = ("seed", "samples_per_pixel", "run_seed")
 
 
-def about(traits: Traits | None) -> dict[str, str]:
+def about(traits: Traits | None) -> dict[str, Any]:
     """Return the columns that tell who a picture shows; none where that is not known."""
     if traits is None:
         return {}
@@ -151,19 +152,23 @@ def read_folder(folder: Path) -> list[Entry]:
     if (folder / MANIFEST).exists():
         entries = read_manifest(folder)
     else:
-        files = sorted(file for pattern in ("*", "*/*") for file in folder.glob(pattern))
+        files = sorted(f for pattern in ("*", "*/*") for f in folder.glob(pattern) if f.is_file())
         entries = [
             Entry(
                 file=file.relative_to(folder).as_posix(),
                 identity_id=file.stem if file.parent == folder else file.parent.name,
             )
             for file in files
-            if file.suffix.lower() in SUFFIXES and not file.name.startswith(".")
+            if file.suffix.lower() in SUFFIXES and _shown(file.relative_to(folder))
         ]
     if not entries:
         kinds = ", ".join(suffix[1:] for suffix in SUFFIXES)
         raise InputError(f"{folder} holds no pictures: put files in it ({kinds})")
     return entries
+
+
+def _shown(place: Path) -> bool:
+    return not any(part.startswith(".") for part in place.parts)
 
 
 def read_picture(folder: Path, entry: Entry) -> Picture:
@@ -185,8 +190,8 @@ def read_picture(folder: Path, entry: Entry) -> Picture:
 def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
     """Read and check ``folder/manifest.csv``, as any program may have saved it.
 
-    A mark of the byte order, other ends of lines, semicolons between columns, another order of
-    columns and further ones are all fine.
+    A mark of the byte order, other ends of lines, semicolons or tabs between columns, another order
+    of columns, further ones and blank lines are all fine.
 
     Args:
         folder: Holds the manifest and, at or below it, the pictures.
@@ -194,7 +199,8 @@ def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
 
     Raises:
         InputError: There is no such folder or manifest, a column is missing, a value does not
-            fit, a picture is missing or lies outside the folder; the message names file and line.
+            fit, a picture is missing, lies outside the folder or is named twice; the message names
+            file and line.
     """
     path = folder / MANIFEST
     try:
@@ -203,28 +209,50 @@ def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"cannot read {path}: {reason}; lrsr render makes one") from error
     head = text.partition("\n")[0]
-    separator = ";" if head.count(";") > head.count(",") else ","
-    reader = csv.DictReader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
+    separator = max(",;\t", key=head.count)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
     try:
-        names = [(name or "").strip() for name in reader.fieldnames or ()]
-        missing = [name for name in _REQUIRED if name not in names]
-        if missing:
-            raise InputError(f"{path}, line 1: no column {', '.join(missing)}; add it")
-        reader.fieldnames = names
-        return [_entry(path, reader.line_num, values, pictures) for values in reader]
+        return list(_entries(path, reader, pictures))
     except csv.Error as error:
-        line = reader.line_num + 1  # the one after the last that could be read
-        raise InputError(f"{path}, line {line}: {error}; make it again") from error
+        raise InputError(f"{path}, line {reader.line_num}: {error}; make it again") from error
 
 
-def _entry(path: Path, line: int, values: Mapping[str, str | None], pictures: bool) -> Entry:
-    texts = {name: (values.get(name) or "").strip() for name in _COLUMNS}
-    texts["file"] = texts["file"].replace("\\", "/")
+def _entries(path: Path, reader: Any, pictures: bool) -> Iterator[Entry]:
+    """Yield what the rows say; ``reader`` is what ``csv.reader`` returns.
+
+    Raises:
+        InputError: See :func:`read_manifest`.
+    """
+    rows = (cells for cells in reader if "".join(cells).strip())  # tables end in blank lines
+    names = [name.strip() for name in next(rows, [])]
+    for name in _REQUIRED:
+        if name not in names:
+            raise InputError(f"{path}, line 1: no column {name}; add it")
+    seen: set[PurePosixPath] = set()
+    for cells in rows:
+        if "".join(cells[len(names) :]).strip():
+            raise InputError(
+                f"{path}, line {reader.line_num}: {len(cells)} cells for {len(names)} columns;"
+                ' put text that holds a separator between "quotes"'
+            )
+        values = dict(zip(names, cells, strict=False))  # what is missing at the end is empty
+        entry = _entry(path, reader.line_num, values, pictures)
+        place = PurePosixPath(entry.file)
+        if place in seen:
+            raise InputError(f"{path}, line {reader.line_num}: {place} is named twice")
+        seen.add(place)
+        yield entry
+
+
+def _entry(path: Path, line: int, values: Mapping[str, str], pictures: bool) -> Entry:
+    texts = {name: values.get(name, "").strip() for name in _COLUMNS}
+    for name in ("file", "linear_file"):
+        texts[name] = texts[name].replace("\\", "/")
     given: dict[str, object] = {**texts}
     try:
         given |= {name: _finite(texts[name]) if texts[name] else None for name in _NUMBERS}
         given |= {name: _whole(texts[name]) if texts[name] else None for name in _WHOLE}
-        given["scale"] = _whole(texts["scale"] or "1")
+        given["scale"] = _scale(texts["scale"])
         points = tuple(_finite(x) for x in texts["landmarks_px"].split())
     except ValueError as error:
         raise InputError(f"{path}, line {line}: {error}") from error
@@ -233,7 +261,7 @@ def _entry(path: Path, line: int, values: Mapping[str, str | None], pictures: bo
             f"{path}, line {line}: landmarks_px holds {len(points)} numbers, wanted 10"
         )
     given["landmarks_px"] = points or None
-    further = {name: value or "" for name, value in values.items() if name not in _COLUMNS and name}
+    further = {name: text for name, text in values.items() if name and name not in _COLUMNS}
     entry = Entry(**given, further=further)  # type: ignore[arg-type]  # converted where not text
     for name in _REQUIRED:
         if not texts[name]:
@@ -245,6 +273,13 @@ def _entry(path: Path, line: int, values: Mapping[str, str | None], pictures: bo
         if pictures and not inside.is_file():
             raise InputError(f"{path}, line {line}: {name} does not exist; make it again")
     return entry
+
+
+def _scale(text: str) -> int:
+    scale = _whole(text or "1")
+    if scale < 1:
+        raise ValueError(f"scale={scale}: wanted a number >= 1")
+    return scale
 
 
 def _whole(text: str) -> int:

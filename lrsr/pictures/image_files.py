@@ -9,6 +9,9 @@ import torch
 from lrsr.errors import InputError
 from lrsr.files import write_bytes
 
+SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
+"""Of files that are taken for pictures, in small letters."""
+
 
 def write_png(path: Path, image: torch.Tensor, *, bits: int = 8) -> None:
     """Write ``(3, H, W)`` in [0, 1] (clipped to it) as an RGB file of 8 or 16 bits a channel.
@@ -28,12 +31,11 @@ def write_png(path: Path, image: torch.Tensor, *, bits: int = 8) -> None:
     write_bytes(path, file.tobytes(), durable=False)  # quickly made again
 
 
-SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
-"""Of files that are taken for pictures, in small letters."""
-
-
 def read_image(path: Path) -> torch.Tensor:
-    """Read a picture of 8 or 16 bits a channel, turned as its Exif says, as ``(3, H, W)`` float32, [0, 1], RGB.
+    """Read a picture of 8 or 16 bits a channel, turned as its Exif says.
+
+    Returns:
+        ``(3, H, W)`` float32, [0, 1], RGB.
 
     Raises:
         InputError: There is no such file, it cannot be read, or it is no whole picture.

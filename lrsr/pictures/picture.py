@@ -1,4 +1,4 @@
-"""What is a picture, wherever it comes from? A rendered probe and a photograph are the same type."""
+"""What is a picture, wherever it comes from? A rendered probe and a photograph are one type."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ class Picture:
         identity_id: Who it shows; the same id is the same person.
         landmarks_px: ``(5, 2)`` float32, (x, y) in pixels of ``image``, the order of
             :data:`lrsr.identities.head.LANDMARK_NAMES`; None: a detector must find them.
-        source: Where it came from: a file, or the digest of a recipe and a camera.
+        source: Where it came from: a file, or "rendered" with the names of pose and light.
         scale: How many times finer than the ×1 film.
         traits: What is recorded of who it shows, where it is known.
     """

@@ -53,6 +53,9 @@ class Recipe:
         Args:
             seed: The run's.
             kind: What the picture is for; an enrolled picture and a probe have other noise.
+
+        Raises:
+            InputError: The seed is no whole number.
         """
         person, scene = self.person, self.scene
         what = [person.split, person.index, kind, scene.pose.name, scene.lighting.name]
@@ -61,7 +64,7 @@ class Recipe:
         acted = [scene.expression] if scene.expression.units else []
         seen = [self._seen()] if self._seen() else []
         words = [*what, self.film.ipd_px, self.film.scale, *other, *redrawn, *acted, *seen]
-        return replace(self, seed=derived_seed(seed, *words))
+        return replace(self, seed=derived_seed(as_whole(seed, "seed"), *words))
 
     def _seen(self) -> dict[str, Any]:
         """Return lens and standpoint in plain values; a level pinhole is left out."""

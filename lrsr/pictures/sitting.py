@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lrsr.configuration import LARGEST_SEED, as_whole, require, section, seed_of
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.recipe import KINDS, Kind, Recipe
-from lrsr.presets import build, value_of
+from lrsr.presets import value_of
 from lrsr.rendering.scene import Film, Quality, Scene
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class Sitting:
 
     def __post_init__(self) -> None:
         require(self.kind in KINDS, "kind", self.kind, f"one of {', '.join(KINDS)}")
-        as_whole(self.seed, "seed")
+        object.__setattr__(self, "seed", as_whole(self.seed, "seed"))
         require(0 <= self.seed <= LARGEST_SEED, "seed", self.seed, f"0 to {LARGEST_SEED}")
 
     def recipes(self, scale: int = 1) -> list[Recipe]:
@@ -83,9 +83,12 @@ def read_quality(config: "DictConfig") -> Quality:
     Raises:
         InputError: A value is wrong.
     """
-    given = {name: value for name, value in config.rendering.items() if name != "skin"}
-    skin = value_of("rendering/skin", config.rendering.skin)
-    return build({"_target_": "lrsr.rendering.Quality", **given}, "rendering", skin=skin)  # type: ignore[no-any-return]  # what it names
+    given = dict(config.rendering)
+    skin = value_of("rendering/skin", given.pop("skin"))
+    for name in given:
+        known = ("samples_per_pixel", "max_depth", "texture_size", "skin")
+        require(name in known, "rendering", name, f"one of {', '.join(known)}")
+    return Quality(**given, skin=skin)
 
 
 def read_gallery(config: "DictConfig") -> Sitting:

@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from lrsr.camera import Camera
 from lrsr.camera.exposure import expose
 from lrsr.camera.optics import bin_pixels
 from lrsr.errors import InputError
-from lrsr.files import sweep
+from lrsr.files import locked, sweep
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import MANIFEST, Entry, about, read_manifest, write_manifest
 from lrsr.pictures.image_files import write_png
@@ -55,13 +55,41 @@ class RenderSettings:
         if not self.scales:
             raise InputError("scales=[]: wanted at least one of 1, 2, 4")
         for scale in self.scales:  # refuses what is wrong before anything is rendered
-            self.camera_of(scale)
+            self.shoot(scale)
             self.sitting.recipes(scale)
 
-    def camera_of(self, scale: int) -> Camera:
+    def shoot(self, scale: int) -> "Shoot":
         """Return who takes the pictures of that scale: finer ones are references, without flaws."""
-        flawed = self.camera.compressing(self.compression)
-        return flawed if scale == 1 and self.sitting.kind == "probe" else self.camera.clean()
+        if scale == 1 and self.sitting.kind == "probe":
+            camera = self.camera.compressing(self.compression)
+            return Shoot(self.sitting, camera, self.camera_settings)
+        return Shoot(self.sitting, self.camera.clean())
+
+
+@dataclass(frozen=True)
+class Shoot:
+    """A sitting and who takes its pictures.
+
+    Attributes:
+        sitting: Who is pictured, how, and what for.
+        camera: Takes them.
+        camera_settings: What it is made of, in plain values; a flawless one needs none.
+    """
+
+    sitting: Sitting
+    camera: Camera
+    camera_settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def describe(self, recipe: Recipe, versions: Mapping[str, str]) -> dict[str, Any]:
+        """Return everything that makes the picture of a recipe, in plain values.
+
+        Args:
+            recipe: Of the sitting.
+            versions: Of the code that renders it.
+        """
+        names = ("name", "exposure_ev", "compression", "bands", "adapted")
+        told = {name: getattr(self.camera, name) for name in names}
+        return {"recipe": recipe.plain(versions), "camera": {**self.camera_settings, **told}}
 
 
 def render_to_folder(
@@ -88,8 +116,9 @@ def render_to_folder(
     maker = maker or mitsuba_maker()
     _earlier(settings.out)  # refuses a broken manifest before any work
     written = {row.file: row for row in _write_pictures(settings, cache, progress, maker)}
-    rows = {row.file: row for row in _earlier(settings.out)}
-    return write_manifest(settings.out, (rows | written).values())
+    with locked(settings.out):  # another process may write its rows
+        rows = {row.file: row for row in _earlier(settings.out)}
+        return write_manifest(settings.out, (rows | written).values())
 
 
 def _write_pictures(
@@ -97,28 +126,26 @@ def _write_pictures(
 ) -> Iterator[Entry]:
     """Write the pictures and yield their rows; what is not rendered yet is rendered first."""
     batches = [
-        (settings.camera_of(scale), settings.sitting.recipes(scale)) for scale in settings.scales
+        (settings.shoot(scale), settings.sitting.recipes(scale)) for scale in settings.scales
     ]
-    everything = [filmed(recipe, camera) for camera, recipes in batches for recipe in recipes]
+    everything = [filmed(recipe, shoot.camera) for shoot, recipes in batches for recipe in recipes]
     render_missing(everything, cache, progress=progress, maker=maker)
     sweep(settings.out)
-    for camera, recipes in batches:
+    for shoot, recipes in batches:
         for start in range(0, len(recipes), CHUNK):
             chunk = recipes[start : start + CHUNK]
-            films = [filmed(recipe, camera) for recipe in chunk]
+            films = [filmed(recipe, shoot.camera) for recipe in chunk]
             radiances = load_radiances(films, cache, progress=progress, maker=maker)
-            pictures = photograph(chunk, radiances, camera)
+            pictures = photograph(chunk, radiances, shoot.camera)
             for recipe, radiance, picture in zip(chunk, radiances, pictures, strict=True):
-                linear = _exposed(radiance, camera) if settings.png16 else None
-                made_by = {
-                    "recipe": recipe.plain(maker.versions),
-                    "camera": settings.camera_settings
-                    if camera.name == settings.camera.name
-                    else {"name": camera.name, "exposure_ev": camera.exposure_ev},
-                }
-                yield write_picture(
-                    settings.out, picture, recipe, camera, settings.sitting, made_by, linear
-                )
+                entry = describe_picture(picture, recipe, shoot, maker.versions)
+                write_png(settings.out / entry.file, picture.image)
+                if settings.png16:
+                    stem = entry.file.removesuffix(".png")
+                    entry = replace(entry, linear_file=f"{stem}_linear16.png")
+                    linear = _exposed(radiance, shoot.camera)
+                    write_png(settings.out / entry.linear_file, linear, bits=16)
+                yield entry
 
 
 def _earlier(folder: Path) -> list[Entry]:
@@ -142,57 +169,39 @@ def _exposed(radiance: Radiance, camera: Camera) -> torch.Tensor:
     return bin_pixels(exposed, camera.supersampling)[0]
 
 
-def write_picture(
-    folder: Path,
-    picture: Picture,
-    recipe: Recipe,
-    camera: Camera,
-    sitting: Sitting,
-    made_by: Mapping[str, Any],
-    linear: torch.Tensor | None = None,
+def describe_picture(
+    picture: Picture, recipe: Recipe, shoot: Shoot, versions: Mapping[str, str]
 ) -> Entry:
-    """Write a picture, and its linear light where that is given; return its row.
+    """Return the row of a picture.
 
-    The file's name says what is unusual about it, and ends in a digest of everything that made it.
+    Its file's name says what is unusual about it, and ends in a digest of everything that made it.
 
     Args:
-        folder: Made if need be.
         picture: As the camera stored it.
         recipe: What was rendered.
-        camera: Took it.
-        sitting: What it is one of.
-        made_by: Everything that made it, in plain values.
-        linear: ``(3, H, W)``, exposed light.
-
-    Raises:
-        InputError: The folder cannot be written.
+        shoot: What it is one of.
+        versions: Of the code that rendered it.
     """
-    scene, film, compression = recipe.scene, recipe.film, camera.compression
-    made_by = {**made_by, "compression": compression}
+    scene, film, skin, camera = recipe.scene, recipe.film, recipe.quality.skin, shoot.camera
+    made_by = shoot.describe(recipe, versions)
     usual = {"neutral", "pinhole", "level", "reflective", "reference"}
-    further = (scene.expression, scene.lens, scene.standpoint, recipe.quality.skin, camera)
-    words = [picture.identity_id, sitting.kind, scene.pose.name, scene.lighting.name, compression]
-    words += [each.name for each in further if each.name not in usual]
+    further = (scene.expression, scene.lens, scene.standpoint, skin, camera)
+    words = [picture.identity_id, shoot.sitting.kind, scene.pose.name, scene.lighting.name]
+    words += [camera.compression, *(each.name for each in further if each.name not in usual)]
     words += [f"ipd{film.ipd_px:g}", f"x{picture.scale}", digest(made_by)[:8]]
-    stem = re.sub(r"[^\w.-]+", "-", "_".join(words))
-    write_png(folder / f"{stem}.png", picture.image)
-    if linear is not None:
-        write_png(folder / f"{stem}_linear16.png", linear, bits=16)
-    if picture.landmarks_px is None:
-        raise RuntimeError("a rendered picture without landmarks")
+    points = picture.landmarks_px
     return Entry(
-        file=f"{stem}.png",
+        file=re.sub(r"[^\w.-]+", "-", "_".join(words)) + ".png",
         identity_id=picture.identity_id,
-        kind=sitting.kind,
+        kind=shoot.sitting.kind,
         pose=scene.pose.name,
         lighting=scene.lighting.name,
-        compression=compression,
+        compression=camera.compression,
         camera=camera.name,
         ipd_px=film.ipd_px,
         scale=picture.scale,
         seed=recipe.seed,
-        landmarks_px=tuple(picture.landmarks_px.flatten().tolist()),
-        linear_file="" if linear is None else f"{stem}_linear16.png",
+        landmarks_px=None if points is None else tuple(points.flatten().tolist()),
         **about(picture.traits),
         expression=scene.expression.name,
         lens=scene.lens.name,
@@ -200,8 +209,8 @@ def write_picture(
         yaw_deg=scene.pose.yaw_deg,
         pitch_deg=scene.pose.pitch_deg,
         roll_deg=scene.pose.roll_deg,
-        skin=recipe.quality.skin.name,
+        skin=skin.name,
         samples_per_pixel=recipe.quality.samples_per_pixel,
-        run_seed=sitting.seed,
+        run_seed=shoot.sitting.seed,
         settings=json.dumps(made_by, sort_keys=True),
     )

@@ -25,25 +25,19 @@ The numbers that the graph states too (sizes, dimension) must agree with it; wha
 (channel order, mean, scale, antialias) is taken from here and from nowhere else.
 """
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from lrsr.errors import InputError
-from lrsr.onnx import Fields, contract_path, read_fields
+from lrsr.onnx import contract_path, read_declared
 from lrsr.recognition.alignment import CROP_PX
 
-_TABLES: Fields = {
-    "": {"sha256": str, "licence": str, "source": str},
-    "input": {
-        "layout": str,
-        "channels": str,
-        "height_px": int,
-        "width_px": int,
-        "mean": float,
-        "scale": float,
-    },
-    "output": {"dimension": int},
-    "alignment": {"template": str, "antialias": bool},
+_TABLES = {
+    "": ("sha256", "licence", "source"),
+    "input": ("layout", "channels", "height_px", "width_px", "mean", "scale"),
+    "output": ("dimension",),
+    "alignment": ("template", "antialias"),
 }
 _CHOICES = {
     "input.layout": ("NCHW", "NHWC"),
@@ -89,28 +83,19 @@ def read_contract(model: Path) -> Contract:
         InputError: Model or contract is missing or unreadable; a field is missing, unknown or
             out of range; or the model is not the one that the contract was written for.
     """
-    contract = Contract(**read_fields(model, _TABLES, _CHOICES))
+    contract = read_declared(Contract, model, _TABLES, _CHOICES)
     if contract.scale <= 0 or contract.dimension <= 0:
-        raise InputError(
-            f"{contract_path(model)}: input.scale and output.dimension must be above 0"
-        )
+        path = contract_path(model)
+        raise InputError(f"{path}: input.scale and output.dimension must be above 0")
     return contract
 
 
 def write_contract(contract: Contract) -> str:
     """Return the contract as TOML; :func:`read_contract` reads it back unchanged."""
     lines = []
-    for table, fields in _TABLES.items():
+    for table, names in _TABLES.items():
         if table:
             lines += ["", f"[{table}]"]
-        lines += [f"{name} = {_toml(getattr(contract, name))}" for name in fields]
+        values = {name: json.dumps(getattr(contract, name), ensure_ascii=False) for name in names}
+        lines += [f"{name} = {value}" for name, value in values.items()]  # TOML, for plain values
     return "\n".join(lines) + "\n"
-
-
-def _toml(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ")
-        return f'"{escaped}"'
-    return repr(value)

@@ -26,12 +26,12 @@ from lrsr.recognition.alignment import read_landmarks
 POINTS = "shape_predictor_5_face_landmarks.dat"
 NETWORK = "dlib_face_recognition_resnet_model_v1.dat"
 
-DIMENSION = 128
+_DIMENSION = 128
 
-BOX_WIDTH = 2.42
+_BOX_WIDTH = 2.42
 """Side of the detector's boxes on 60 rendered faces, median, in distances between the pupils."""
 
-BOX_DROP = 0.40
+_BOX_DROP = 0.40
 """How far their middles lie below the middle of the pupils, in the same unit."""
 
 _REMEDY = "pip install 'lrsr[dlib]', or give encoder=shipped"
@@ -78,7 +78,7 @@ class DlibEncoder:
         points = read_landmarks(landmarks_px, len(srgb))
         levels = check_srgb(srgb, name="faces").mul(255).round().to(torch.uint8)
         images = levels.permute(0, 2, 3, 1).contiguous().cpu().numpy()
-        result = np.full((len(images), DIMENSION), np.nan, dtype=np.float32)
+        result = np.full((len(images), _DIMENSION), np.nan, dtype=np.float32)
         for row in np.flatnonzero(np.isfinite(points).all(axis=(1, 2))):
             shape = self._points(images[row], self._dlib.rectangle(*face_box(points[row])))
             numbers = np.array(self._network.compute_face_descriptor(images[row], shape))
@@ -92,7 +92,7 @@ class DlibEncoder:
             "model": NETWORK,
             "sha256": sha256_of(self._folder / NETWORK),
             "dlib": str(self._dlib.__version__),
-            "dimension": DIMENSION,
+            "dimension": _DIMENSION,
             "box": "from the renderer's true landmarks, where dlib's detector puts it on average",
         }
 
@@ -113,8 +113,8 @@ def face_box(landmarks_px: ArrayLike) -> tuple[int, int, int, int]:
     points = np.asarray(landmarks_px, dtype=np.float64)
     middle = points[:2].mean(axis=0)
     ipd_px = float(np.linalg.norm(points[1] - points[0]))
-    x, y = middle[0], middle[1] + BOX_DROP * ipd_px
-    half = BOX_WIDTH / 2 * ipd_px
+    x, y = middle[0], middle[1] + _BOX_DROP * ipd_px
+    half = _BOX_WIDTH / 2 * ipd_px
     left, top, right, bottom = (round(v) for v in (x - half, y - half, x + half, y + half))
     return left, top, right, bottom
 

@@ -30,9 +30,8 @@ class Embedder:
         self.batch_size = batch_size
         self._session = open_session(model, providers_on(device))
         shape, dimension = self.contract.input_shape, self.contract.dimension
-        takes = (None, *shape), f"float {self.contract.layout} {shape}"
-        returns = (None, dimension), f"dimension {dimension}"
-        check_graph(self._session, model, "an embedder", takes, returns)
+        words = f"float {self.contract.layout} {shape}", f"dimension {dimension}"
+        check_graph(self._session, model, "an embedder", (None, *shape), (None, dimension), words)
 
     def __call__(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Embed aligned faces.

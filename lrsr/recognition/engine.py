@@ -8,11 +8,11 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ImageContractError
+from lrsr.evaluation.scores import Scores
 from lrsr.images import check_srgb
 from lrsr.paths import asset
 from lrsr.recognition.alignment import align
 from lrsr.recognition.embedding import Embedder
-from lrsr.recognition.scores import Scores
 
 DEFAULT_MODEL = "weights/arcface_small.onnx"
 """Trained on rendered faces by ``lrsr train recognition=arcface``; its record lies beside it."""

@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from lrsr.errors import InputError
 from lrsr.rendering.backend import start
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint
 from lrsr.rendering.lens import PINHOLE, Lens
 from lrsr.rendering.mounted_lens import mount
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.stage import world_to_head
 from lrsr.rendering.wavelengths import draw_wavelengths, split
+from lrsr.spectra import band_edges
 
 FILTER_STDDEV_PX = 0.5
 """Standard deviation of the reconstruction filter, in pixels of the film itself."""
@@ -68,7 +68,7 @@ def expose(
 
     Returns:
         ``(side, side, 3)`` float32, linear sRGB, or ``(side, side, bands)``; see
-        :mod:`lrsr.rendering.bands`.
+        :mod:`lrsr.spectra`.
 
     Raises:
         InputError: The lens cannot be focused so near, or the variant has no spectrum.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import torch
 
 from lrsr.identities.person import Traits
-from lrsr.rendering.bands import Spectrum
+from lrsr.spectra import Spectrum
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Radiance:
             multiplies by 1 / metered, so a white sphere averages 1. It depends on the
             lighting alone, not on who is lit, so skin tones keep their order.
         traits: What is recorded of the head, where it is known.
-        edges_nm: N + 1 edges of the bands, nm, rising (:mod:`lrsr.rendering.bands`); None: three
+        edges_nm: N + 1 edges of the bands, nm, rising (:mod:`lrsr.spectra`); None: three
             colours.
         metered_bands: N bands of what the same meter reads; their luminance is ``metered``.
     """

@@ -9,7 +9,6 @@ import torch
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
 from lrsr.presets import preset
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.environment import environment
 from lrsr.rendering.film import expose
 from lrsr.rendering.geometry import place_camera
@@ -18,6 +17,7 @@ from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.rendering.skin import REFLECTIVE, Skin
 from lrsr.rendering.stage import Stage
+from lrsr.spectra import band_edges
 
 RENDERER_VERSION = "2"
 """Changes whenever the same head would give other pixels."""

@@ -7,7 +7,7 @@ Names of presets (``conf/pose/left.yaml``) become these values where a configura
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from lrsr.configuration import as_whole, settle_numbers
+from lrsr.configuration import as_number, as_whole
 from lrsr.errors import InputError
 from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.rendering.lens import PINHOLE, Lens
@@ -22,7 +22,6 @@ LEAST_SAMPLES = 64
 """Samples a pixel of a large face, unless it is told to take fewer."""
 
 _WHOLE = {
-    "scale": (1, 4),
     "bands": (0, 350),
     "samples_per_pixel": (1, 2**24),
     "max_depth": (2, 2**16),
@@ -87,8 +86,9 @@ class Film:
     bands: int = 0
 
     def __post_init__(self) -> None:
-        settle_numbers(self, "film", "ipd_px")
-        _settle(self, "", "scale", "bands")
+        object.__setattr__(self, "ipd_px", as_number(self.ipd_px, "ipd_px"))
+        object.__setattr__(self, "scale", as_whole(self.scale, "scale"))
+        _settle(self, "", "bands")
         if not 0 < self.ipd_px < 2000:
             raise InputError(f"ipd_px={self.ipd_px:g}: wanted a number of pixels > 0 and < 2000")
         if self.scale not in SCALES:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.skin.tone import WAVELENGTHS_NM, skin_reflectance
 from lrsr.rendering.backend import start
-from lrsr.rendering.bands import srgb_curves, table
+from lrsr.spectra import srgb_curves, table
 
 FloatArray = NDArray[np.float64]
 

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.rendering.backend import start
-from lrsr.rendering.bands import average, daylight, table
 from lrsr.rendering.environment import (
     environment,
     hides,
@@ -21,6 +20,7 @@ from lrsr.rendering.environment import (
     panel_metered,
 )
 from lrsr.rendering.lighting import Lighting
+from lrsr.spectra import average, daylight, table
 
 FloatArray = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ def light_bands(rgb: FloatArray, edges_nm: tuple[float, ...]) -> FloatArray:
         edges_nm: N + 1 edges of the bands.
 
     Returns:
-        ``(..., N)``, in units of :func:`lrsr.rendering.bands.daylight`.
+        ``(..., N)``, in units of :func:`lrsr.spectra.daylight`.
     """
     colours, places = np.unique(rgb.reshape(-1, 3), axis=0, return_inverse=True)
     scale = 2 * colours.max(axis=1, keepdims=True)

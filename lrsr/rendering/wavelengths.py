@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from lrsr.rendering.backend import start
-from lrsr.rendering.bands import photometric_unit
+from lrsr.spectra import photometric_unit
 
 
 def draw_wavelengths(uniform: Any, span_nm: tuple[float, float]) -> tuple[Any, Any]:
@@ -32,7 +32,7 @@ def split(light: Any, wavelengths: Any, edges_nm: tuple[float, ...]) -> Iterator
         edges_nm: Of equal bands; light of other wavelengths is counted in none.
 
     Yields:
-        ``mi.Float`` in units of :func:`lrsr.rendering.bands.daylight`.
+        ``mi.Float`` in units of :func:`lrsr.spectra.daylight`.
     """
     import drjit as dr
 

@@ -21,19 +21,17 @@ A height and width that the graph fixes are read from the graph; other pictures 
 tiles. A ``model.onnx`` of ``lrsr train`` carries all this and needs no contract.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from lrsr.errors import InputError
-from lrsr.onnx import Fields, contract_path, read_fields, sha256_of
+from lrsr.onnx import contract_path, read_declared, sha256_of
 from lrsr.sr.weights import LARGEST_SCALE, Card
 
-_TABLES: Fields = {
-    "": {"sha256": str, "licence": str, "source": str},
-    "input": {"channels": str, "layout": str, "range": str, "enlarged": bool, "multiple_of": 1},
-    "output": {"scale": int, "lr_made_by": ""},
+_TABLES = {
+    "": ("sha256", "licence", "source"),
+    "input": ("channels", "layout", "range", "enlarged", "multiple_of"),
+    "output": ("scale", "lr_made_by"),
 }
 _CHOICES = {
     "input.channels": ("RGB", "BGR", "Y"),
@@ -44,7 +42,7 @@ _CHOICES = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Contract:
     """One network's declared contract; see the module for the meaning of each field."""
 
@@ -55,9 +53,9 @@ class Contract:
     layout: str
     range: str
     enlarged: bool
-    multiple_of: int
+    multiple_of: int = 1
     scale: int
-    lr_made_by: str
+    lr_made_by: str = ""
 
     @property
     def white(self) -> float:
@@ -65,27 +63,10 @@ class Contract:
         return 255.0 if self.range == "0..255" else 1.0
 
     @property
-    def takes(self) -> tuple[tuple[int | None, ...], str]:
-        """Shape of a batch, None where any size will do, and words for it."""
-        channels = len(self.channels)
-        nchw, nhwc = (None, channels, None, None), (None, None, None, channels)
-        shape = nchw if self.layout == "NCHW" else nhwc
-        return shape, f"float {self.layout} of {self.channels}"
-
-    def height_and_width(self, shape: Sequence[object], model: Path) -> Sequence[object]:
-        """Take height and width, numbers where they are fixed, out of the shape of the input.
-
-        Raises:
-            InputError: Something is fixed, but not the channels: it is of the other layout.
-        """
-        first = self.layout == "NCHW"
-        size, channels = (shape[2:], shape[1]) if first else (shape[1:3], shape[3])
-        if not isinstance(channels, int) and any(isinstance(side, int) for side in size):
-            raise InputError(
-                f"{model}: takes {shape}, its contract says {self.takes[1]};"
-                " mend the contract or give the model it was written for"
-            )
-        return size
+    def shape(self) -> tuple[int | None, ...]:
+        """Shape of a batch, None where any size will do."""
+        sides, channels = (None, None), (len(self.channels),)
+        return (None, *channels, *sides) if self.layout == "NCHW" else (None, *sides, *channels)
 
 
 def read_contract(model: Path, properties: dict[str, str]) -> Contract:
@@ -99,7 +80,7 @@ def read_contract(model: Path, properties: dict[str, str]) -> Contract:
         InputError: There is neither, or the contract or card cannot be used.
     """
     if contract_path(model).is_file():
-        return Contract(**read_fields(model, _TABLES, _CHOICES))
+        return read_declared(Contract, model, _TABLES, _CHOICES)
     if "architecture" not in properties:
         raise InputError(
             f"{model} is not of lrsr train, and {contract_path(model)} is missing: declare"
@@ -109,18 +90,14 @@ def read_contract(model: Path, properties: dict[str, str]) -> Contract:
         card = Card.from_text(properties)
     except InputError as error:
         raise InputError(f"{model} is not of lrsr train: {error}; export it again") from error
-    return Contract(sha256=sha256_of(model), **_of_card(card))
-
-
-def _of_card(card: Card) -> dict[str, Any]:
-    return {
-        "licence": "",
-        "source": card.architecture,
-        "channels": "Y" if card.input == "luminance" else "RGB",
-        "layout": "NCHW",
-        "range": "0..1",
-        "enlarged": bool(card.enlarged_by),
-        "multiple_of": 1,
-        "scale": card.scale,
-        "lr_made_by": card.lr_made_by,
-    }
+    return Contract(
+        sha256=sha256_of(model),
+        licence="",
+        source=card.architecture,
+        layout="NCHW",
+        range="0..1",
+        channels="Y" if card.input == "luminance" else "RGB",
+        enlarged=bool(card.enlarged_by),
+        scale=card.scale,
+        lr_made_by=card.lr_made_by,
+    )

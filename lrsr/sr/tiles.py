@@ -6,6 +6,8 @@ from itertools import product
 import torch
 from torch.nn import functional as F
 
+from lrsr.errors import ImageContractError
+
 
 def run_in_tiles(
     images: torch.Tensor,
@@ -28,24 +30,40 @@ def run_in_tiles(
     Returns:
         (B, C, factor * H, factor * W).
 
+    Raises:
+        ImageContractError: ``run`` enlarges by another factor.
+
     Example:
         >>> picture = torch.rand(1, 1, 9, 4)
         >>> torch.equal(run_in_tiles(picture, lambda t: t, tile_px=(4, 6), factor=1), picture)
         True
     """
-    height, width = images.shape[-2:]
-    h, w = tile_px
+    (height, width), (h, w) = images.shape[-2:], tile_px
     padded = F.pad(images, (0, max(0, w - width), 0, max(0, h - height)), mode="replicate")
     full = [factor * size for size in padded.shape[-2:]]
     result = images.new_empty(*images.shape[:2], *full)
-    rows, columns = _places(padded.shape[-2], h), _places(padded.shape[-1], w)
-    for (y, top), (x, left) in product(list(rows), list(columns)):
-        tile = run(padded[..., y : y + h, x : x + w])
-        kept = tile[..., factor * top :, factor * left :]
-        result[
-            ..., factor * (y + top) : factor * (y + h), factor * (x + left) : factor * (x + w)
-        ] = kept
+    rows, columns = list(_places(full[0] // factor, h)), list(_places(full[1] // factor, w))
+    for (y, top), (x, left) in product(rows, columns):
+        given = padded[..., y : y + h, x : x + w]
+        tile = run(given)
+        check_size(tile, given, factor, "a tile")
+        target = result[..., factor * y : factor * (y + h), factor * x : factor * (x + w)]
+        target[..., factor * top :, factor * left :] = tile[..., factor * top :, factor * left :]
     return result[..., : factor * height, : factor * width]
+
+
+def check_size(larger: torch.Tensor, given: torch.Tensor, factor: int, name: str) -> None:
+    """Refuse what is not ``factor`` times as high and wide.
+
+    Raises:
+        ImageContractError: It is not.
+    """
+    got, of = tuple(larger.shape[-2:]), tuple(given.shape[-2:])
+    wanted = (factor * of[0], factor * of[1])
+    if got != wanted:
+        raise ImageContractError(
+            f"{name}: got {got} pixels of {of}, wanted {wanted}; the network has another scale"
+        )
 
 
 def _places(size: int, tile: int) -> Iterator[tuple[int, int]]:

@@ -51,17 +51,17 @@ class Card:
     enlarged_by: str = ""
 
     def __post_init__(self) -> None:
-        if self.architecture not in NETWORKS:
-            raise InputError(f"architecture={self.architecture}: wanted {' or '.join(NETWORKS)}")
-        wanted = NETWORKS[self.architecture].input
-        if self.input != wanted:
-            raise InputError(f"input={self.input}: {self.architecture} takes {wanted}")
-        if not isinstance(self.arguments, Mapping):
-            raise InputError(f"arguments={self.arguments!r}: wanted names and values")
-        if type(self.scale) is not int or not 1 <= self.scale <= LARGEST_SCALE:
-            raise InputError(f"scale={self.scale}: wanted 1 to {LARGEST_SCALE}")
-        if self.enlarged_by not in ("", ENLARGED_BY):
-            raise InputError(f"enlarged_by={self.enlarged_by!r}: wanted {ENLARGED_BY!r} or nothing")
+        known = NETWORKS.get(self.architecture)
+        whole = type(self.scale) is int and 1 <= self.scale <= LARGEST_SCALE
+        for name, holds, wanted in (
+            ("architecture", known is not None, " or ".join(NETWORKS)),
+            ("input", known and self.input == known.input, f"what {self.architecture} takes"),
+            ("arguments", isinstance(self.arguments, Mapping), "names and values"),
+            ("scale", whole, f"1 to {LARGEST_SCALE}"),
+            ("enlarged_by", self.enlarged_by in ("", ENLARGED_BY), f"{ENLARGED_BY!r} or nothing"),
+        ):
+            if not holds:
+                raise InputError(f"{name}={getattr(self, name)}: wanted {wanted}")
 
     def as_text(self) -> dict[str, str]:
         """Return the fields as the strings that safetensors, checkpoints and ONNX files take."""

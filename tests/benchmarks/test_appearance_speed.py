@@ -13,7 +13,8 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 from scipy import ndimage
 
-from lrsr.identities.appearance import SkinPainter, paint_skin
+from lrsr.identities.appearance import SkinPainter
+from lrsr.identities.face.template import template
 from lrsr.identities.morphable import position_map, sample_parameters
 from lrsr.identities.skin import regions
 from lrsr.identities.skin.lines import draw_lines, sample_lines
@@ -48,10 +49,10 @@ def test_lines(benchmark: BenchmarkFixture) -> None:
 @pytest.mark.benchmark(group="skin")
 def test_skin(benchmark: BenchmarkFixture) -> None:
     layout = position_map(512)
-    painter, person = SkinPainter(*layout), sample_parameters(0)["appearance"]
+    painter, person = SkinPainter(layout, template().skin), sample_parameters(0)["appearance"]
     benchmark(painter.paint, person, 0)
     kept = cpu_s(lambda: painter.paint(person, 0))
-    once = cpu_s(lambda: paint_skin(person, 0, *layout), 2)
+    once = cpu_s(lambda: SkinPainter(layout, template().skin).paint(person, 0), 2)
     sys.stdout.write(
         f"\nskin, 512 texels: {kept:.3f} s; without a kept painter {once / kept:.1f} x\n"
     )

@@ -16,11 +16,11 @@ from omegaconf import OmegaConf
 from PIL import Image
 from pytest_benchmark.fixture import BenchmarkFixture
 
+from lrsr.calibration.picture_statistics import describe
 from lrsr.camera import Camera
 from lrsr.camera.codec import COMPRESSIONS, jpeg
-from lrsr.camera.statistics import describe
 from lrsr.paths import config_folder
-from lrsr.rendering.bands import Spectrum, band_edges, daylight
+from lrsr.spectra import Spectrum, band_edges, daylight
 
 BATCH = 64
 LIGHT = torch.rand(BATCH, 3, 32, 32, generator=torch.Generator().manual_seed(0))

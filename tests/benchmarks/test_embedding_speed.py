@@ -13,15 +13,15 @@ import cv2
 import numpy as np
 import pytest
 import torch
-from pytest_benchmark.fixture import BenchmarkFixture
-
-from lrsr.recognition.alignment import TEMPLATE_PX, align, fit_similarities
 from lrsr.recognition.arcface import ArcFaceModule
 from lrsr.recognition.backbone import Backbone
 from lrsr.recognition.degradation import Degradation
-from lrsr.recognition.embedding import Embedder
 from lrsr.recognition.export import export_embedder
 from lrsr.recognition.training import has_bfloat16
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from lrsr.recognition.alignment import TEMPLATE_PX, align, fit_similarities
+from lrsr.recognition.embedding import Embedder
 
 COUNT = 128
 GENERATOR = torch.Generator().manual_seed(0)

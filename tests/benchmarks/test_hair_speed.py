@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from lrsr.identities.hair.hair import STYLES, Scalp, build_hair
-from lrsr.identities.hair.styles import style_parameters
+from lrsr.identities.hair.hair import build_hair
+from lrsr.identities.hair.scalp import Scalp
+from lrsr.identities.hair.styles import STYLES, style_parameters
 from lrsr.identities.morphable import position_map, sample_head
 
 COLOUR = {"hair_colour": [0.1, 0.05, 0.02], "grey": 0.2}
@@ -34,8 +35,8 @@ def test_mesh_and_texture(benchmark: BenchmarkFixture, style: str) -> None:
     head = sample_head(0)
     skin = head.part("skin").vertices
     hair = style_parameters(style, np.random.default_rng(0)) | COLOUR
-    benchmark(build_hair, hair, skin)
-    grown, whole = cpu_s(lambda: build_hair(hair, skin)), cpu_s(lambda: sample_head(0), 2)
+    benchmark(build_hair, hair, skin, 0)
+    grown, whole = cpu_s(lambda: build_hair(hair, skin, 0)), cpu_s(lambda: sample_head(0), 2)
     sys.stdout.write(f"\n{style}: {1e3 * grown:.0f} ms, {grown / whole:.0%} of a whole head\n")
 
 
@@ -43,6 +44,6 @@ def test_mesh_and_texture(benchmark: BenchmarkFixture, style: str) -> None:
 def test_roots(benchmark: BenchmarkFixture) -> None:
     scalp = Scalp(position_map(512).points)
     hair = style_parameters("crop", np.random.default_rng(0))
-    benchmark(scalp.paint, hair)
-    painted, whole = cpu_s(lambda: scalp.paint(hair)), cpu_s(lambda: sample_head(0), 2)
+    benchmark(scalp.paint, hair, 0)
+    painted, whole = cpu_s(lambda: scalp.paint(hair, 0)), cpu_s(lambda: sample_head(0), 2)
     sys.stdout.write(f"\nroots: {1e3 * painted:.0f} ms, {painted / whole:.0%} of a whole head\n")

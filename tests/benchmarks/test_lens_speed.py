@@ -6,22 +6,18 @@ pytest tests/benchmarks/test_lens_speed.py --benchmark-enable --benchmark-group-
 import sys
 
 import pytest
+from fakes.scenes import LENSES, LIGHTINGS, POSES, ROOMS, STANDPOINTS, Studio
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.rendering.backend import start
-from lrsr.rendering.lens import LENSES, find_lens
-from lrsr.rendering.lighting import LIGHTINGS, ROOMS
 from lrsr.rendering.mounted_lens import mount
-from lrsr.rendering.pose import POSES
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.standpoint import STANDPOINTS
 
 
 @pytest.fixture(scope="module")
-def renderer() -> Renderer:
-    return Renderer()
+def renderer() -> Studio:
+    return Studio()
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +27,7 @@ def head() -> Head:
 
 @pytest.mark.parametrize("lens", LENSES)
 def test_a_probe_through_a_lens(
-    benchmark: BenchmarkFixture, renderer: Renderer, head: Head, lens: str
+    benchmark: BenchmarkFixture, renderer: Studio, head: Head, lens: str
 ) -> None:
     benchmark.group = "probe, 32 px, 2048 samples"
     benchmark.pedantic(renderer.render, (head,), {"lens": lens}, rounds=5, warmup_rounds=1)
@@ -39,14 +35,14 @@ def test_a_probe_through_a_lens(
 
 @pytest.mark.parametrize("lighting", ["side", "room_yellow"])
 def test_a_probe_in_a_lighting(
-    benchmark: BenchmarkFixture, renderer: Renderer, head: Head, lighting: str
+    benchmark: BenchmarkFixture, renderer: Studio, head: Head, lighting: str
 ) -> None:
     benchmark.group = "probe, far and near light"
     benchmark.pedantic(renderer.render, (head,), {"lighting": lighting}, rounds=5, warmup_rounds=1)
 
 
 def test_a_pose_moves_near_lights(
-    benchmark: BenchmarkFixture, renderer: Renderer, head: Head
+    benchmark: BenchmarkFixture, renderer: Studio, head: Head
 ) -> None:
     """Panels are part of the acceleration structure, which is built anew; far light costs 1 ms."""
     benchmark.group = "update"
@@ -61,12 +57,12 @@ def test_a_pose_moves_near_lights(
 
 def test_mounting_a_lens(benchmark: BenchmarkFixture) -> None:
     benchmark.group = "mount"
-    lens = find_lens("double_gauss")
+    lens = LENSES["double_gauss"]
     benchmark(mount.__wrapped__, lens, 3.0, 1100.0, 0.5)
 
 
 def test_count_the_kernels_of_all_lenses_lightings_and_standpoints(
-    renderer: Renderer, head: Head
+    renderer: Studio, head: Head
 ) -> None:
     """Print how many kernels are compiled: one a number of panels, for pinholes and for lenses."""
     start()

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from fakes.scenes import LIGHTINGS, POSES, Studio
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from lrsr.identities.head import Head
@@ -16,8 +17,6 @@ from lrsr.identities.morphable import sample_head
 from lrsr.rendering.backend import start
 from lrsr.rendering.film import describe_sensor
 from lrsr.rendering.geometry import place_camera
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.scene import LIGHTINGS, POSES
 
 FILMS = [
     pytest.param(1, 2048, id="probe-32px-2048spp"),
@@ -26,8 +25,8 @@ FILMS = [
 
 
 @pytest.fixture(scope="module")
-def renderer() -> Renderer:
-    return Renderer()
+def renderer() -> Studio:
+    return Studio()
 
 
 @pytest.fixture(scope="module")
@@ -35,9 +34,7 @@ def heads() -> list[Head]:
     return [sample_head(seed) for seed in range(4)]
 
 
-def mitsuba_render(
-    renderer: Renderer, head: Head, scale: int, samples: int
-) -> Callable[[], object]:
+def mitsuba_render(renderer: Studio, head: Head, scale: int, samples: int) -> Callable[[], object]:
     """Return a call of ``mi.render`` with its splatting film and its default sampler."""
     mi = start()
     pose = POSES["frontal"]
@@ -51,7 +48,7 @@ def mitsuba_render(
 
 @pytest.mark.parametrize(("scale", "samples"), FILMS)
 def test_our_film(
-    benchmark: BenchmarkFixture, renderer: Renderer, heads: list[Head], scale: int, samples: int
+    benchmark: BenchmarkFixture, renderer: Studio, heads: list[Head], scale: int, samples: int
 ) -> None:
     benchmark.group = f"{32 * scale} px, {samples} samples"
     benchmark.pedantic(
@@ -61,7 +58,7 @@ def test_our_film(
 
 @pytest.mark.parametrize(("scale", "samples"), FILMS)
 def test_mi_render_of_the_same_scene(
-    benchmark: BenchmarkFixture, renderer: Renderer, heads: list[Head], scale: int, samples: int
+    benchmark: BenchmarkFixture, renderer: Studio, heads: list[Head], scale: int, samples: int
 ) -> None:
     benchmark.group = f"{32 * scale} px, {samples} samples"
     benchmark.pedantic(
@@ -70,7 +67,7 @@ def test_mi_render_of_the_same_scene(
 
 
 def test_a_new_head_in_the_scene(
-    benchmark: BenchmarkFixture, renderer: Renderer, heads: list[Head]
+    benchmark: BenchmarkFixture, renderer: Studio, heads: list[Head]
 ) -> None:
     """Vertices, normals, textures and the BVH; poses and lights cost a millisecond."""
     benchmark.group = "update"
@@ -84,7 +81,7 @@ def test_a_new_head_in_the_scene(
     )
 
 
-def test_a_job_beside_the_same_rays_of_mi_render(renderer: Renderer, heads: list[Head]) -> None:
+def test_a_job_beside_the_same_rays_of_mi_render(renderer: Studio, heads: list[Head]) -> None:
     """Print the ratio for the job of one person, a new head and three films of it."""
     job = [(1, 2048), (2, 512), (4, 128)]
     for scale, samples in job:
@@ -106,7 +103,7 @@ def test_a_job_beside_the_same_rays_of_mi_render(renderer: Renderer, heads: list
     sys.stdout.write(f"\nour job / bare mi.render: {np.median(ratios):.2f} ({spread})\n")
 
 
-def test_count_the_kernels_of_20_heads_at_three_scales(renderer: Renderer) -> None:
+def test_count_the_kernels_of_20_heads_at_three_scales(renderer: Studio) -> None:
     """Print how many kernels are compiled for 20 people, 6 options and 3 scales."""
     import drjit as dr
 

@@ -10,13 +10,13 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from fakes.scenes import Studio
 from numpy.typing import NDArray
 
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.images import linear_to_srgb
 from lrsr.rendering.backend import start
-from lrsr.rendering.renderer import Renderer
 
 SAMPLES = {"reflective": 512, "subsurface": 512, "volumetric_tone": 128}
 CONVERGED = 16
@@ -35,7 +35,7 @@ def head() -> Head:
 
 
 def pictures(
-    renderer: Renderer, head: Head, ipd_px: float, lighting: str, samples: int, seeds: range
+    renderer: Studio, head: Head, ipd_px: float, lighting: str, samples: int, seeds: range
 ) -> tuple[NDArray, float]:
     """Return pictures and the seconds that the processor works for one, whoever else is there."""
     shown, seconds = [], []
@@ -56,7 +56,7 @@ def test_the_three_skins_at_equal_noise(
     """Print time, RMSE against a converged picture of the same skin, and what a picture costs."""
     costs, lines = {}, [f"\n{ipd_px * 4} px, {lighting} light"]
     for skin, samples in SAMPLES.items():
-        renderer, count = Renderer(skin), samples // fewer
+        renderer, count = Studio(skin), samples // fewer
         pictures(renderer, head, ipd_px, lighting, count, range(1))  # compiles
         timed, seconds = pictures(renderer, head, ipd_px, lighting, count, range(1, 5))
         many = range(100, 100 + CONVERGED)
@@ -74,13 +74,13 @@ def test_the_three_skins_at_equal_noise(
 
 
 @pytest.fixture(scope="module")
-def both() -> Iterator[dict[str, Renderer]]:
-    yield {skin: Renderer(skin) for skin in ("reflective", "subsurface")}
+def both() -> Iterator[dict[str, Studio]]:
+    yield {skin: Studio(skin) for skin in ("reflective", "subsurface")}
     gc.collect()
 
 
 @pytest.mark.parametrize("lighting", ["frontal", "side"])
-def test_how_far_the_two_skins_differ(head: Head, both: dict[str, Renderer], lighting: str) -> None:
+def test_how_far_the_two_skins_differ(head: Head, both: dict[str, Studio], lighting: str) -> None:
     """Print the difference in 8-bit steps at four sizes, exposed alike."""
     for ipd_px in (8, 16, 32, 64):
         shown = []
@@ -103,7 +103,7 @@ def test_count_the_kernels_of_20_heads_at_three_scales() -> None:
     start()  # chooses the LLVM that Dr.Jit loads
     import drjit as dr
 
-    renderer = Renderer("subsurface")
+    renderer = Studio("subsurface")
     options = [("frontal", "frontal"), ("above", "frontal"), ("above", "down")]
     options += [("frontal", "down"), ("below", "up"), ("below", "left")]
     with dr.scoped_set_flag(dr.JitFlag.KernelHistory):

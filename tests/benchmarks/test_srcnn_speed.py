@@ -8,12 +8,11 @@ from collections.abc import Callable
 
 import pytest
 import torch
-from pytest_benchmark.fixture import BenchmarkFixture
-from torch.nn import functional as F
-
 from lrsr.sr.module import SRCNNModule
 from lrsr.sr.precision import choose_precision
 from lrsr.sr.srcnn import SRCNN
+from pytest_benchmark.fixture import BenchmarkFixture
+from torch.nn import functional as F
 
 BATCH = 128
 

@@ -24,7 +24,7 @@ from lrsr.camera.video import Video
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.images import linear_to_srgb
 from lrsr.paths import config_folder
-from lrsr.rendering.bands import Spectrum, band_edges, daylight
+from lrsr.spectra import Spectrum, band_edges, daylight
 
 
 def light(batch: int = 2, height: int = 32, width: int = 32, seed: int = 0) -> torch.Tensor:
@@ -100,11 +100,11 @@ def test_the_preset_builds_the_camera_it_names() -> None:
 
 
 def test_unknown_settings_are_refused_with_the_choice() -> None:
-    with pytest.raises(InputError, match="compression 'much': choose one of none, small, heavy"):
+    with pytest.raises(InputError, match="compression=much: wanted one of none, small, heavy"):
         Camera("much")
-    with pytest.raises(InputError, match="codec 'webp': choose one of true, differentiable"):
+    with pytest.raises(InputError, match="codec=webp: wanted one of true, differentiable"):
         Camera(codec="webp")
-    with pytest.raises(InputError, match="compression 'much'"):
+    with pytest.raises(InputError, match="compression=much"):
         Camera().compressing("much")
 
 

@@ -2,17 +2,31 @@
 
 import numpy as np
 import pytest
+from skimage.color import deltaE_ciede2000, rgb2lab
 
-from lrsr.camera.colour_difference import ciede2000, lab
-from lrsr.camera.colour_matrix import fit_matrix, observed, rendered
+from lrsr.camera.colour_matrix import fit_matrix, observed
 from lrsr.camera.sensitivities import colorchecker, find_sensitivities
 from lrsr.camera.spectral import SpectralColour
 from lrsr.errors import InputError
-from lrsr.rendering.bands import band_edges, daylight, srgb_weights
+from lrsr.spectra import band_edges, daylight, srgb_weights
 
 EDGES = band_edges(35)
 LIGHT = daylight(EDGES)
 RNG = np.random.default_rng(0)
+
+
+def rendered(weights: np.ndarray, matrix: np.ndarray, patches: np.ndarray) -> np.ndarray:
+    """Return linear sRGB that a camera makes of reflectances in LIGHT, not clipped."""
+    return np.asarray((patches * LIGHT) @ weights.T / (weights @ LIGHT) @ matrix.T)
+
+
+def missed(shown: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Return ΔE00 between colours in linear sRGB, by scikit-image."""
+    curved = [
+        np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear.clip(0) ** (1 / 2.4) - 0.055)
+        for linear in (shown, wanted)
+    ]
+    return np.asarray(deltaE_ciede2000(*map(rgb2lab, curved)))
 
 
 def test_what_can_be_undone_is_undone() -> None:
@@ -44,7 +58,7 @@ def test_greys_alone_make_no_matrix() -> None:
 
 def test_an_observer_of_srgb_needs_no_matrix() -> None:
     patches = colorchecker(EDGES)
-    same = rendered(srgb_weights(EDGES), np.eye(3), LIGHT, patches)
+    same = rendered(srgb_weights(EDGES), np.eye(3), patches)
     np.testing.assert_allclose(same, observed(EDGES, LIGHT, patches), atol=1e-12)
 
 
@@ -53,7 +67,7 @@ def test_a_colorchecker_has_its_published_colours() -> None:
     srgb = np.array([[194, 150, 130], [214, 126, 44], [87, 108, 67], [122, 122, 121]]) / 255
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     seen = observed(EDGES, LIGHT, colorchecker(EDGES)[[1, 6, 3, 21]])
-    assert ciede2000(lab(seen), lab(linear)).max() < 4  # another chart, another light
+    assert missed(seen, linear).max() < 4  # another chart, another light
 
 
 def test_the_nikons_matrix_is_nearly_the_one_that_adobe_measured() -> None:
@@ -76,7 +90,7 @@ def test_the_nikons_matrix_is_nearly_the_one_that_adobe_measured() -> None:
 def test_the_nikon_misses_the_colours_of_a_colorchecker_by_about_one() -> None:
     patches, look = colorchecker(EDGES), SpectralColour("nikon_d5100").rendition(EDGES)
     weights = find_sensitivities("nikon_d5100").weights(EDGES)
-    shown = rendered(weights, look.matrix, LIGHT, patches)
-    missed = ciede2000(lab(shown), lab(observed(EDGES, LIGHT, patches)))
-    assert float(missed.mean()) == pytest.approx(0.86, abs=0.01)
-    assert 3.0 < float(missed.max()) < 3.5
+    shown = rendered(weights, look.matrix, patches)
+    away = missed(shown, observed(EDGES, LIGHT, patches))
+    assert float(away.mean()) == pytest.approx(0.86, abs=0.01)
+    assert 3.0 < float(away.max()) < 3.5

@@ -22,7 +22,7 @@ from lrsr.camera.convolution import convolve
 from lrsr.camera.demosaic import METHODS, demosaic
 from lrsr.camera.distortion import Distortion
 from lrsr.camera.exposure import expose
-from lrsr.camera.field import turn
+from lrsr.camera.image_plane import turn
 from lrsr.camera.mosaic import Mosaic
 from lrsr.camera.optics import Optics, bin_pixels
 from lrsr.camera.processing import Processing, luminance, sharpen, tone

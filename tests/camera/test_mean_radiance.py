@@ -14,16 +14,16 @@ import torch
 
 from lrsr.camera import Camera, Colour, Jpeg, Mosaic, Optics, Sensor, Video
 from lrsr.camera.bayer import PATTERNS, mosaic
-from lrsr.camera.bending import Bending
 from lrsr.camera.codec import jpeg, jpeg_differentiable
 from lrsr.camera.demosaic import METHODS, demosaic
 from lrsr.camera.distortion import Distortion
 from lrsr.camera.exposure import KEY, expose
-from lrsr.camera.field import pixel_grid, pixels_to_mm
+from lrsr.camera.image_plane import pixel_grid, pixels_to_mm
 from lrsr.camera.optics import bin_pixels
 from lrsr.camera.processing import sharpen
 from lrsr.camera.resampling import sample_bicubic
 from lrsr.camera.smoothing import bilateral_blur, gaussian_blur
+from lrsr.camera.warp import Warp
 from lrsr.images import linear_to_srgb, srgb_to_linear
 
 pytestmark = pytest.mark.usefixtures("one_thread")
@@ -80,7 +80,7 @@ def test_a_barrel_gives_each_piece_of_sensor_the_light_that_it_squeezes_there() 
     places = torch.arange(161, dtype=torch.float64) - 80
     square = places**2 + places[:, None] ** 2
     spot = torch.exp(-square / (2 * 12.0**2)).expand(1, 3, 161, 161)
-    bent = Bending(lens).bend(spot, field, pitch_mm)
+    bent = Warp(lens).draw(spot, field, pitch_mm)
     on_sensor = pixels_to_mm(pixel_grid(size, spot), size, pitch_mm, field)
     squeezed = bent * lens.area_ratio(on_sensor)[..., 0]
     assert float(bent.sum()) < 0.9 * float(spot.sum())  # a smaller picture, as bright

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lrsr.camera.field import pixel_grid
+from lrsr.camera.image_plane import pixel_grid
 from lrsr.camera.resampling import cubic_weights, sample_bicubic
 from lrsr.images import resize_bicubic
 

@@ -7,7 +7,7 @@ import pytest
 
 from lrsr.camera.sensitivities import Sensitivities, colorchecker, find_sensitivities
 from lrsr.errors import InputError
-from lrsr.rendering.bands import band_edges, daylight
+from lrsr.spectra import band_edges, daylight
 
 EDGES = band_edges(35)
 MIDDLE = np.array(EDGES[:-1]) + 5

@@ -1,13 +1,16 @@
 """The JPEG with a slope, against kornia's, and against the real codec."""
 
+import numpy as np
 import pytest
 import torch
 from kornia.color import rgb_to_ycbcr
 from kornia.enhance import jpeg_codec_differentiable
+from scipy.fft import dctn
 
 from lrsr.camera.codec import CHROMAS, jpeg
 from lrsr.camera.soft_jpeg import (
     SHARING,
+    cosine_transform,
     soft_jpeg,
     soft_round,
     through_blocks,
@@ -95,3 +98,10 @@ def test_unknown_settings_and_broken_images_are_refused() -> None:
         soft_jpeg(image, 50, "4:1:1")
     with pytest.raises(ImageContractError, match="srgb: got shape"):
         soft_jpeg(image[0], 50)
+
+
+def test_the_transform_is_that_of_scipy() -> None:
+    generator = torch.Generator().manual_seed(4)
+    block = torch.randn(8, 8, generator=generator, dtype=torch.float64)
+    d = cosine_transform()
+    assert np.allclose((d @ block @ d.T).numpy(), dctn(block.numpy(), norm="ortho"))

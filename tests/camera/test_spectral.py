@@ -6,7 +6,7 @@ import torch
 
 from lrsr.camera.spectral import SpectralColour, needed, observe, weigh
 from lrsr.errors import ImageContractError, InputError
-from lrsr.rendering.bands import Spectrum, average, band_edges, daylight, observer, srgb_weights
+from lrsr.spectra import Spectrum, average, band_edges, daylight, observer, srgb_weights
 
 EDGES = band_edges(35)
 NM = np.arange(380.0, 731.0)

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 import torch
+from lrsr.data.png import write_png
 
 from lrsr.cli import main
-from lrsr.data.png import write_png
 from lrsr.paths import config_folder
 
 
@@ -68,8 +68,9 @@ def test_a_preset_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[st
     [
         "_target_: os.system",
         '"\\x5ftarget_": os.system',
-        "sensor: [{_target_: lrsr.cli.main}]",
-        "optics: ${oc.env:HOME}",
+        "_target_: lrsr.camera.Camera\nsensor: [{_target_: lrsr.cli.main}]",
+        "_target_: lrsr.camera.Camera\nsensor: {_target_: lrsr.camera.sensor.torch.save, f: x}",
+        "_target_: lrsr.camera.Camera\noptics: ${oc.env:HOME}",
     ],
 )
 def test_a_preset_from_outside_builds_nothing_but_parts_of_a_camera(

@@ -10,8 +10,7 @@ import pytest
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from lrsr.camera.parameters import NAMES
-from lrsr.camera.statistics import lens_blur_px
+from lrsr.calibration.parameters import NAMES, lens_blur_px
 from lrsr.cli import main
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(7200)]

@@ -1,15 +1,18 @@
 """Every shipped configuration composes, and stays short enough to read."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from fakes.scenes import EXPRESSIONS, LENSES, LIGHTINGS, POSES, ROOMS, STANDPOINTS
 from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from lrsr.identities.face.expression import EXPRESSIONS, find_expression
+from lrsr.identities.face.expression import Expression
 from lrsr.paths import config_folder
-from lrsr.rendering.lens import LENSES
+from lrsr.presets import preset, value_of
+from lrsr.rendering.lens import Lens
+from lrsr.rendering.pose import Pose
 
 FOLDER = config_folder()
 EXPERIMENTS = sorted(path.stem for path in (FOLDER / "experiment").glob("*.yaml"))
@@ -45,7 +48,8 @@ def test_a_file_says_what_it_is_and_stays_short(file: Path) -> None:
 
 def test_the_six_options_are_table_2_of_the_paper() -> None:
     table = composed("eval")["conditions"]
-    assert table == {
+    assert isinstance(table, dict)
+    assert {int(number): option for number, option in table.items()} == {
         1: {"compression": "none", "lighting": "frontal", "pose": "frontal"},
         2: {"compression": "none", "lighting": "above", "pose": "frontal"},
         3: {"compression": "none", "lighting": "above", "pose": "down"},
@@ -55,19 +59,26 @@ def test_the_six_options_are_table_2_of_the_paper() -> None:
     }
 
 
-@pytest.mark.parametrize("name", EXPRESSIONS)
-def test_every_named_expression_has_a_file(name: str) -> None:
-    config = OmegaConf.create(composed("render", "out=x", f"expression={name}"))
-    assert instantiate(config.expression) == find_expression(name)
+@pytest.mark.parametrize(
+    ("group", "name"),
+    [
+        *(("pose", name) for name in POSES),
+        *(("lighting", name) for name in (*LIGHTINGS, *ROOMS)),
+        *(("lens", name) for name in LENSES),
+        *(("standpoint", name) for name in STANDPOINTS),
+        *(("expression", name) for name in EXPRESSIONS),
+    ],
+)
+def test_what_is_chosen_on_the_command_line_is_the_preset(group: str, name: str) -> None:
+    config = OmegaConf.create(composed("render", "out=x", f"{group}={name}"))
+    assert value_of(group, config[group]) == preset(group, name)
 
 
 @pytest.mark.parametrize("name", LENSES)
-def test_every_named_lens_has_a_file(name: str) -> None:
-    assert {path.stem for path in (FOLDER / "lens").glob("*.yaml")} == set(LENSES)
-    for command in ("render", "eval"):
-        overrides = ["out=x"] if command == "render" else []
-        config = OmegaConf.create(composed(command, f"lens={name}", *overrides))
-        assert instantiate(config.lens) == LENSES[name]
+def test_lenses_and_standpoints_are_for_every_command(name: str) -> None:
+    config = OmegaConf.create(composed("eval", f"lens={name}", "standpoint=scface_far"))
+    assert value_of("lens", config.lens) == LENSES[name]
+    assert value_of("standpoint", config.standpoint) == STANDPOINTS["scface_far"]
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in (FOLDER / "camera").glob("*.yaml")))
@@ -81,14 +92,26 @@ def test_every_camera_can_be_chosen_and_says_where_its_numbers_come_from(name: s
 
 
 def test_a_lens_and_a_standpoint_can_be_changed_on_the_command_line() -> None:
-    given = ["lens=single", "+lens.f_number=8", "standpoint=scface_near", "out=x"]
-    config = OmegaConf.create(composed("render", *given, "+standpoint.eye_height_m=1.7"))
-    assert instantiate(config.lens).f_number == 8
-    assert instantiate(config.standpoint).above_m == pytest.approx(0.55)
+    given = ["lens=single", "lens.f_number=8", "standpoint=scface_near", "out=x"]
+    config = OmegaConf.create(composed("render", *given, "standpoint.eye_height_m=1.7"))
+    assert value_of("lens", config.lens) == replace(LENSES["single"], f_number=8.0)
+    assert value_of("standpoint", config.standpoint).above_m == pytest.approx(0.55)
 
 
 def test_face_units_can_be_given_on_the_command_line() -> None:
-    given = ("+expression.units.jawOpen=0.2", "+expression.strength=0.5", "expression=blink")
+    given = ("+expression.units.jawOpen=0.2", "expression.strength=0.5", "expression=blink")
     config = OmegaConf.create(composed("render", "out=x", *given))
-    units = {"eyeBlinkLeft": 0.5, "eyeBlinkRight": 0.5, "jawOpen": 0.2}
-    assert instantiate(config.expression).units == units
+    units = {"eyeBlinkLeft": 0.5, "eyeBlinkRight": 0.5, "jawOpen": 0.1}
+    assert value_of("expression", config.expression) == Expression("blink", units)
+
+
+def test_what_a_file_says_in_its_first_lines_can_be_done() -> None:
+    """The numbers that comments tell to change are there to be changed."""
+    given = ["pose.yaw_deg=10", "pose.pitch_deg=-5", "pose.roll_deg=3", "lens=thin"]
+    given += ["lens.f_number=2.8", "lens.focus_m=3", "standpoint.distance_m=3"]
+    given += ["lighting=lamp", "lighting.panels.0.kelvin=2700", "lighting.fill_share=0.1"]
+    config = OmegaConf.create(composed("render", "out=x", *given))
+    assert value_of("pose", config.pose) == Pose("frontal", 10, -5, 3)
+    assert value_of("lens", config.lens) == Lens("thin", f_number=2.8, focus_m=3)
+    assert value_of("standpoint", config.standpoint).distance_m == 3
+    assert value_of("lighting", config.lighting).panels[0].kelvin == 2700

@@ -1,27 +1,29 @@
 """Skins from the command line become the renderer's."""
 
+from dataclasses import replace
+
 import pytest
+from fakes.scenes import SKINS
 from hydra import compose, initialize_config_dir
 
-from lrsr.configuration import section
 from lrsr.errors import InputError
-from lrsr.experiments.settings import RenderingSettings
 from lrsr.paths import config_folder
-from lrsr.rendering.skin import SKINS, Skin
+from lrsr.pictures.sitting import read_quality
+from lrsr.rendering.skin import Skin
 
 FOLDER = config_folder()
 
 
-def settings(*overrides: str) -> RenderingSettings:
+def skin(*overrides: str) -> Skin:
     with initialize_config_dir(str(FOLDER), version_base="1.3"):
-        return section(RenderingSettings, compose("render", ["out=x", *overrides]), "rendering")
+        return read_quality(compose("render", ["out=x", *overrides])).skin
 
 
 @pytest.mark.parametrize(
     "file", sorted(path.stem for path in (FOLDER / "rendering").glob("*.yaml"))
 )
 def test_every_rendering_has_the_skin_of_its_name(file: str) -> None:
-    assert settings(f"rendering={file}").skin == file
+    assert skin(f"rendering={file}") == SKINS[file]
 
 
 @pytest.mark.parametrize(
@@ -33,9 +35,9 @@ def test_every_rendering_has_the_skin_of_its_name(file: str) -> None:
         ("volumetric", "volumetric"),
     ],
 )
-def test_every_skin_file_is_a_skin_with_a_name(file: str, name: str) -> None:
-    assert settings("rendering=subsurface", f"rendering/skin={file}").skin == name
-    assert name in SKINS
+def test_every_skin_can_be_chosen_for_any_rendering(file: str, name: str) -> None:
+    for rendering in ("subsurface", "reflective"):
+        assert skin(f"rendering={rendering}", f"rendering/skin={file}") == SKINS[name]
 
 
 def test_there_is_no_other_skin_file() -> None:
@@ -44,10 +46,12 @@ def test_there_is_no_other_skin_file() -> None:
 
 
 def test_one_number_changes_one_number() -> None:
-    changed = settings("rendering=subsurface", "rendering.skin.reach_mm=6").skin
-    assert changed == Skin(reach_mm=6.0)
+    changed = skin("rendering=subsurface", "rendering.skin.reach_mm=6")
+    assert changed == replace(SKINS["subsurface"], reach_mm=6.0)
+    traced = skin("rendering=volumetric", "rendering.skin.fixed=scattering")
+    assert traced == SKINS["volumetric_tone"]
 
 
 def test_a_number_out_of_range_names_the_setting() -> None:
     with pytest.raises(InputError, match=r"skin\.reach_mm=0"):
-        settings("rendering=subsurface", "rendering.skin.reach_mm=0")
+        skin("rendering=subsurface", "rendering.skin.reach_mm=0")

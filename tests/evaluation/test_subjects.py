@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from oracles import auc as oracle
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import estimate_auc
+from lrsr.evaluation.scores import Scores
 from lrsr.evaluation.subjects import bootstrap_aucs, jackknife_auc
-from lrsr.recognition.scores import Scores
 
 NAN = float("nan")
 
@@ -131,7 +132,7 @@ def test_the_same_seed_draws_the_same_people() -> None:
 
 def test_intervals_go_to_json() -> None:
     interval = bootstrap_aucs({"a": small(1)}, replicates=10).auc("a")
-    assert json.loads(json.dumps(interval.as_json()))["replicates"] == interval.replicates
+    assert json.loads(json.dumps(asdict(interval)))["replicates"] == interval.replicates
 
 
 def test_jackknife_of_one_person_is_refused() -> None:

@@ -5,12 +5,12 @@ from hydra import compose, initialize_config_dir
 from omegaconf import DictConfig
 
 from lrsr.errors import InputError
-from lrsr.presets import preset
 from lrsr.experiments.design import Condition, Design
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.paths import config_folder
+from lrsr.presets import preset
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.scene import Scene
 

@@ -17,18 +17,26 @@ from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.evaluation.distinctness import Distinct
 from lrsr.experiments.people import answer, check_uniqueness, gate_sentence
-from lrsr.experiments.portraits import GAP_PX, LINE_PX
-from lrsr.experiments.settings import GallerySettings, IdentityRange, RenderingSettings
+from lrsr.experiments.report.sheets import GAP_PX, LINE_PX
 from lrsr.experiments.uniqueness import Findings, UniquenessSettings
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION
-from lrsr.identities.roster import read_roster
+from lrsr.identities.roster import IdentityRange, read_roster
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.sitting import Sitting
+from lrsr.presets import preset
+from lrsr.rendering.scene import Film, Quality, Scene
+
+FRONTAL = Scene(preset("lighting", "frontal"))
+QUALITY = Quality(samples_per_pixel=4, texture_size=64)
+
+
+def enrolled(people: IdentityRange) -> Sitting:
+    return Sitting(people, FRONTAL, Film(16.0), QUALITY, "gallery", seed=3)
+
 
 SETTINGS = UniquenessSettings(
-    identities=IdentityRange(count=7),
-    gallery=GallerySettings(ipd_px=16.0),
-    rendering=RenderingSettings(samples_per_pixel=4, texture_size=8),
-    seed=3,
+    gallery=enrolled(IdentityRange(count=7)),
     encoder="shipped",
     smallest_angle_deg=20.0,
     most_redraws=2,
@@ -47,7 +55,7 @@ def run(
     return check_uniqueness(
         replace(SETTINGS, **changes),
         folder / "run",
-        cache=cache or folder / "cache",
+        cache=RenderCache(cache or folder / "cache"),
         camera=Camera(),
         model=model,
         maker=maker or TwinMaker(TWINS),
@@ -121,7 +129,7 @@ def test_results_hold_pairs_angles_histogram_and_distribution(results: dict[str,
     assert results["angles_deg"]["min"] == pytest.approx(results["nearest_pairs"][0]["angle_deg"])
     assert results["distribution"]["people"] == results["people"] == 7
     assert results["config"]["seed"] == 3
-    assert results["config"]["identities"]["count"] == 7
+    assert results["config"]["gallery"]["people"]["count"] == 7
     assert "lrsr" in results["versions"]
 
 
@@ -153,7 +161,7 @@ def test_whoever_uses_the_roster_meets_the_same_people(
     folder: Path, tmp_path: Path, tone_model: Path
 ) -> None:
     people = IdentityRange(count=5, roster=str(folder / "roster.json"))
-    again = run(tmp_path, tone_model, identities=people, cache=folder.parent / "cache")
+    again = run(tmp_path, tone_model, gallery=enrolled(people), cache=folder.parent / "cache")
     told = json.loads((again / "results.json").read_text())
     assert told["rejected"] == []
     assert read_roster(again / "roster.json").draws == {4: 1}
@@ -188,7 +196,7 @@ def test_the_contact_sheet_ends_with_the_first_people(
 ) -> None:
     monkeypatch.setattr("lrsr.experiments.people.SHEET", 3)
     people = IdentityRange(count=4)
-    again = run(tmp_path, tone_model, identities=people, cache=folder.parent / "cache")
+    again = run(tmp_path, tone_model, gallery=enrolled(people), cache=folder.parent / "cache")
     assert size(again / "contact_sheet.png") == sheet_size(3)
     assert len(list((again / "gallery").iterdir())) == 4
 
@@ -242,12 +250,12 @@ def test_what_a_finished_run_rendered_is_not_rendered_again(
     folder: Path, tmp_path: Path, tone_model: Path
 ) -> None:
     idle, people = TwinMaker(patience=0), IdentityRange(count=2)
-    run(tmp_path, tone_model, idle, identities=people, cache=folder.parent / "cache")
+    run(tmp_path, tone_model, idle, gallery=enrolled(people), cache=folder.parent / "cache")
     assert idle.rendered == []
 
 
 def test_one_person_alone_makes_a_report_without_pairs(tmp_path: Path, tone_model: Path) -> None:
-    alone = run(tmp_path, tone_model, identities=IdentityRange(count=1))
+    alone = run(tmp_path, tone_model, gallery=enrolled(IdentityRange(count=1)))
     text = (alone / "report.html").read_text(encoding="utf-8")
     assert "1 person, nobody to compare with." in text
     assert "There is no pair to compare." in text
@@ -271,7 +279,7 @@ def test_a_file_in_place_of_the_cache_is_named(tmp_path: Path, tone_model: Path)
 def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path, tone_model: Path) -> None:
     (tmp_path / "run").write_text("in the way")
     with pytest.raises(InputError, match=r"cannot write .*run"):
-        run(tmp_path, tone_model, identities=IdentityRange(count=1))
+        run(tmp_path, tone_model, gallery=enrolled(IdentityRange(count=1)))
 
 
 def test_an_answer_says_that_everybody_is_far_enough_away() -> None:

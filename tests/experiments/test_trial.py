@@ -8,7 +8,6 @@ from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
-from lrsr.presets import preset
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.trial import Trial
 from lrsr.identities.morphable import RECIPE_VERSION
@@ -21,6 +20,7 @@ from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import take_pictures
 from lrsr.pictures.sitting import Sitting
 from lrsr.pictures.source import Rendered
+from lrsr.presets import preset
 from lrsr.recognition import Engine
 from lrsr.rendering.scene import Film, Quality, Scene
 

@@ -10,16 +10,8 @@ from fakes.twins import TwinMaker, gate
 from hydra import compose, initialize_config_dir
 
 from lrsr.camera import Camera
-from lrsr.data.cache import RenderCache
 from lrsr.errors import InputError
 from lrsr.evaluation.distinctness import Drawn
-from lrsr.experiments.settings import (
-    Condition,
-    GallerySettings,
-    IdentityRange,
-    RenderingSettings,
-    VerificationSettings,
-)
 from lrsr.experiments.uniqueness import (
     NEAREST,
     Findings,
@@ -31,20 +23,28 @@ from lrsr.experiments.uniqueness import (
     summary,
     uniqueness_settings,
 )
-from lrsr.experiments.verification import Verification
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION, sample_parameters
 from lrsr.identities.population import Population
-from lrsr.identities.roster import Roster, write_roster
+from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.identities.splits import identity_seed
 from lrsr.paths import config_folder
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.sitting import Sitting, read_gallery
+from lrsr.presets import preset
 from lrsr.recognition import Engine
+from lrsr.rendering.scene import Film, Quality, Scene
+
+FRONTAL = Scene(preset("lighting", "frontal"))
+QUALITY = Quality(samples_per_pixel=4, texture_size=64)
+
+
+def enrolled(people: IdentityRange) -> Sitting:
+    return Sitting(people, FRONTAL, Film(16.0), QUALITY, "gallery")
+
 
 SETTINGS = UniquenessSettings(
-    identities=IdentityRange(count=8),
-    gallery=GallerySettings(ipd_px=16.0),
-    rendering=RenderingSettings(samples_per_pixel=4, texture_size=8),
-    seed=0,
+    gallery=enrolled(IdentityRange(count=8)),
     encoder="shipped",
     smallest_angle_deg=20.0,
     most_redraws=3,
@@ -89,7 +89,9 @@ def test_a_look_alike_is_redrawn(tmp_path: Path, tone_model: Path) -> None:
 
 def test_the_outcome_does_not_depend_on_how_many_follow(tmp_path: Path, tone_model: Path) -> None:
     draws = [
-        find(tmp_path, tone_model, TRIPLETS, identities=IdentityRange(count=count))[1].outcome.draws
+        find(tmp_path, tone_model, TRIPLETS, gallery=enrolled(IdentityRange(count=count)))[
+            1
+        ].outcome.draws
         for count in (6, 8)
     ]
     assert draws[0] == draws[1][:6] == (0, 0, 0, 0, 0, 2)
@@ -98,25 +100,20 @@ def test_the_outcome_does_not_depend_on_how_many_follow(tmp_path: Path, tone_mod
 def test_the_pictures_are_those_that_verification_enrols(tmp_path: Path, tone_model: Path) -> None:
     roster = Roster("test", 0, 8, Population("female"), RECIPE_VERSION, "dlib", 11.2, {3: 2})
     path = write_roster(tmp_path / "roster.json", roster)
-    people = IdentityRange(count=8, sex="female", roster=str(path))
-    settings = replace(SETTINGS, identities=people)
-    ours = gallery(tmp_path, tone_model, TwinMaker(), settings)
-    asked = VerificationSettings(
-        "v", "?", (Condition(1, 8.0, "frontal", "frontal", "none"),), ("base",), people,
-        SETTINGS.gallery, SETTINGS.rendering, SETTINGS.seed, 0.95,
-    )  # fmt: skip
-    cache = RenderCache(tmp_path / "cache")
-    theirs = Verification(asked, cache, Engine(tone_model), Camera(), TwinMaker())
-    assert [ours.recipe((index, 0)) for index in range(8)] == theirs.gallery_recipes()
+    words = ["identities.count=8", "identities.sex=female", f"identities.roster={path}"]
+    ours = gallery(tmp_path, tone_model, TwinMaker(), configured(*words))
+    with initialize_config_dir(str(config_folder()), version_base="1.3"):
+        theirs = read_gallery(compose("eval", words))
+    assert [ours.recipe((index, 0)) for index in range(8)] == theirs.recipes()
 
 
 def test_a_redraw_is_counted_on_from_the_roster(tmp_path: Path, tone_model: Path) -> None:
     roster = Roster("test", 0, 8, Population(), RECIPE_VERSION, "dlib", 11.2, {3: 2})
     path = write_roster(tmp_path / "roster.json", roster)
     people = IdentityRange(count=8, roster=str(path))
-    made = gallery(tmp_path, tone_model, TwinMaker(), replace(SETTINGS, identities=people))
-    assert made.recipe((3, 1)).identity_id == "test-00003-draw3"
-    assert made.recipe((4, 1)).identity_id == "test-00004-draw1"
+    made = gallery(tmp_path, tone_model, TwinMaker(), replace(SETTINGS, gallery=enrolled(people)))
+    assert made.recipe((3, 1)).person.id == "test-00003-draw3"
+    assert made.recipe((4, 1)).person.id == "test-00004-draw1"
 
 
 def test_nobody_is_rendered_twice(tmp_path: Path, tone_model: Path) -> None:
@@ -162,14 +159,16 @@ def test_a_roster_gone_on_from_leads_to_itself(tmp_path: Path, tone_model: Path)
     roster = make_roster(settings, findings, RECIPE_VERSION)
     path = write_roster(tmp_path / "roster.json", roster)
     people = IdentityRange(count=8, roster=str(path))
-    settings, again = find(tmp_path, tone_model, TRIPLETS, identities=people)
+    settings, again = find(tmp_path, tone_model, TRIPLETS, gallery=enrolled(people))
     assert set(again.outcome.draws) == {0}
     assert make_roster(settings, again, RECIPE_VERSION) == roster
     np.testing.assert_array_equal(again.angles_deg, findings.angles_deg)
 
 
 def test_a_summary_names_pairs_and_the_dismissed(tmp_path: Path, tone_model: Path) -> None:
-    _, findings = find(tmp_path, tone_model, TRIPLETS, identities=IdentityRange(start=2, count=6))
+    _, findings = find(
+        tmp_path, tone_model, TRIPLETS, gallery=enrolled(IdentityRange(start=2, count=6))
+    )
     told = summary(findings)
     assert told["people"] == told["compared"] == 6
     assert told["angles_deg"]["pairs"] == 15
@@ -203,12 +202,12 @@ def test_the_nearest_pairs_are_few_and_sorted(tmp_path: Path, tone_model: Path) 
 
 @pytest.mark.parametrize("count", [1, 2, 8])
 def test_a_summary_survives_json(tmp_path: Path, tone_model: Path, count: int) -> None:
-    told = summary(find(tmp_path, tone_model, {}, identities=IdentityRange(count=count))[1])
+    told = summary(find(tmp_path, tone_model, {}, gallery=enrolled(IdentityRange(count=count)))[1])
     assert json.loads(json.dumps(told, allow_nan=False)) == told
 
 
 def test_one_person_alone_is_compared_with_nobody(tmp_path: Path, tone_model: Path) -> None:
-    told = summary(find(tmp_path, tone_model, {}, identities=IdentityRange(count=1))[1])
+    told = summary(find(tmp_path, tone_model, {}, gallery=enrolled(IdentityRange(count=1)))[1])
     assert (told["people"], told["compared"]) == (1, 0)
     assert told["angles_deg"] == {"pairs": 0}
     assert told["nearest_pairs"] == []
@@ -236,7 +235,7 @@ def test_people_whose_gate_was_not_recorded_are_drawn_anew(
     tmp_path: Path, tone_model: Path
 ) -> None:
     people = IdentityRange(count=3, sex="female")
-    made = gallery(tmp_path, tone_model, TwinMaker(), replace(SETTINGS, identities=people))
+    made = gallery(tmp_path, tone_model, TwinMaker(), replace(SETTINGS, gallery=enrolled(people)))
     women = [
         sample_parameters(identity_seed("test", *one), population=Population("female"))["gate"]
         for one in [(0, 0), (1, 2)]
@@ -266,7 +265,7 @@ def test_auto_takes_dlib_and_its_angle_where_it_is(
         remove_dlib(monkeypatch)
     settings = configured()
     assert (settings.encoder, settings.smallest_angle_deg) == (encoder, angle)
-    assert settings.identities.count == 60
+    assert settings.gallery.people.count == 60
 
 
 def test_a_given_angle_stays() -> None:

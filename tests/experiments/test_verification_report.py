@@ -5,13 +5,13 @@ import pytest
 from fakes.painted import PaintedMaker
 
 from lrsr.camera import Camera
-from lrsr.presets import preset
 from lrsr.errors import InputError
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.verification import Verification
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.sitting import Sitting
+from lrsr.presets import preset
 from lrsr.rendering.scene import Film, Quality, Scene
 
 PEOPLE, QUALITY = IdentityRange(count=8), Quality(samples_per_pixel=4, texture_size=64)

@@ -1,4 +1,4 @@
-"""Lessons that take milliseconds: drawn pictures, halved; painted faces. For every training test."""
+"""Lessons that take milliseconds, drawn pictures and painted faces, for every training test."""
 
 from functools import partial
 from pathlib import Path

@@ -8,8 +8,8 @@ import torch
 
 from lrsr.identities.head import Head
 from lrsr.pictures.recipe import Recipe, derived_seed
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance
+from lrsr.spectra import band_edges
 
 
 class FakeMaker:
@@ -29,13 +29,13 @@ class FakeMaker:
         assert head.identity_id == recipe.person.id
         time.sleep(self.delay_s)
         self.renders.append(recipe)
-        scene, film = recipe.scene, recipe.film
-        what = derived_seed(0, recipe.person.id, scene.pose.name, scene.lighting.name)
+        film, scene = recipe.film, recipe.scene
+        what = derived_seed(0, recipe.person.id, scene.pose, scene.lighting)
         noise = torch.rand(1, film.bands or 3, 8, 8, generator=torch.Generator().manual_seed(what))
         side = 4 * round(film.ipd_px) * film.scale
-        image = torch.nn.functional.interpolate(noise, size=(side, side), mode="bilinear")
+        light = torch.nn.functional.interpolate(noise, size=(side, side), mode="bilinear")
         return Radiance(
-            image=image[0] * 2.0,
+            image=light[0] * 2.0,
             landmarks_px=torch.arange(10.0).reshape(5, 2) * film.scale,
             ipd_px=film.ipd_px,
             scale=film.scale,

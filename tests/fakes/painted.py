@@ -23,22 +23,22 @@ class PaintedMaker:
         return Head(recipe.person.id, (), pupils, np.zeros((5, 3)))
 
     def render(self, head: Head, recipe: Recipe) -> Radiance:
+        person, film = recipe.person, recipe.film
         generator = torch.Generator().manual_seed(
-            {"train": 0, "validation": 10**6, "test": 2 * 10**6}[recipe.person.split]
-            + recipe.person.index
+            {"train": 0, "validation": 10**6, "test": 2 * 10**6}[person.split] + person.index
         )
         tones = torch.rand(1, 3, 6, 6, generator=generator)
-        side = film_size_px(recipe.film.ipd_px) * recipe.film.scale
+        side = film_size_px(film.ipd_px) * film.scale
         image = F.interpolate(tones, size=(side, side), mode="bilinear")[0]
         noise = torch.Generator().manual_seed(recipe.seed)
         image = image + 0.02 * torch.rand(3, side, side, generator=noise)
-        ipd = recipe.film.ipd_px * recipe.film.scale
+        ipd = film.ipd_px * film.scale
         template_ipd = np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0])
         points = (TEMPLATE_PX - 55.5) * ipd / template_ipd + side / 2 - 0.5
         return Radiance(
             image=image,
             landmarks_px=torch.from_numpy(points.astype(np.float32)),
-            ipd_px=recipe.film.ipd_px,
-            scale=recipe.film.scale,
+            ipd_px=film.ipd_px,
+            scale=film.scale,
             metered=1.0,
         )

@@ -5,12 +5,12 @@ from dataclasses import replace
 from typing import Any
 
 from fakes.painted import PaintedMaker
-from lrsr.data.recipe import ProbeRecipe
 
 from lrsr.evaluation.distinctness import Drawn
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import RECIPE_VERSION
-from lrsr.identities.person import Person, tone_of
+from lrsr.identities.person import Person, Traits, tone_of
+from lrsr.pictures.recipe import Recipe
 from lrsr.rendering.radiance import Radiance
 
 
@@ -30,26 +30,27 @@ class TwinMaker(PaintedMaker):
         self.rendered: list[str] = []
         self.versions: Mapping[str, str] = {"painted": "1", "identities": RECIPE_VERSION}
 
-    def render(self, head: Head, recipe: ProbeRecipe) -> Radiance:
+    def render(self, head: Head, recipe: Recipe) -> Radiance:
         if self.patience == len(self.rendered):
             raise KeyboardInterrupt
-        self.rendered.append(recipe.identity_id)
-        own = recipe.index + 1000 * recipe.draw
-        look = self.looks.get((recipe.index, recipe.draw), own)
-        radiance = super().render(head, replace(recipe, index=look))
-        return replace(radiance, identity_id=recipe.identity_id, person=person(recipe))
+        person = recipe.person
+        self.rendered.append(person.id)
+        own = person.index + 1000 * person.draw
+        look = self.looks.get((person.index, person.draw), own)
+        radiance = super().render(head, replace(recipe, person=replace(person, index=look)))
+        return replace(radiance, traits=traits(person))
 
 
-def person(recipe: ProbeRecipe) -> Person:
+def traits(person: Person) -> Traits:
     """Say who somebody is: sex, age and what the gate did follow from the number; a redrawn one is
     a year older.
     """
-    number = recipe.index
+    number = person.index
     ita_deg = 50.0 - 10.0 * (number % 10)
     ancestry = {"african": 0.1, "asian": 0.1, "caucasian": 0.8}
     sex = ("female", "male")[number % 2]
-    age_years = 25.0 + number % 40 + recipe.draw
-    return Person(sex, age_years, ancestry, ita_deg, tone_of(ita_deg), gate(number))
+    age_years = 25.0 + number % 40 + person.draw
+    return Traits(sex, age_years, ancestry, ita_deg, tone_of(ita_deg), gate(number))
 
 
 def gate(number: int) -> Mapping[str, Any]:

@@ -12,8 +12,8 @@ import pytest
 
 from lrsr.identities.face.resting import RestingFace, rest_face
 from lrsr.identities.morphable import sample_parameters
-from lrsr.identities.population import Population
-from lrsr.identities.shape.anatomy import AGES, GENDERS, LEVELS, RACES, coefficients
+from lrsr.identities.population import ANCESTRIES, Population
+from lrsr.identities.shape.anatomy import AGES, GENDERS, LEVELS, coefficients
 from lrsr.identities.shape.basis import Basis, load_basis
 from lrsr.identities.shape.makehuman import LASH_GROUPS, LEFT_EYE, RIGHT_EYE
 from lrsr.identities.shape.topology import REGIONS
@@ -69,7 +69,7 @@ def write_macro_targets(folder: Path) -> None:
         write_target(folder / f"universal-{build}.target.gz")
         for height in ("min", "max"):
             write_target(folder / "height" / f"{build}-{height}height.target.gz")
-    for race, sex, age in itertools.product(RACES, GENDERS, AGES):
+    for race, sex, age in itertools.product(ANCESTRIES, GENDERS, AGES):
         write_target(folder / f"{race}-{sex}-{age}.target.gz")
 
 

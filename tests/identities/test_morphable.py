@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fakes.scenes import EXPRESSIONS
 
 from lrsr.identities import morphable
-from lrsr.identities.face.eyes import unit_ball
 from lrsr.identities.gate.gate import MOST_DRAWS, tally
-from lrsr.identities.gate.openings import eyes_of, measure_eyes
+from lrsr.identities.gate.openings import measure_eyes
 from lrsr.identities.gate.plausibility import Plausibility, Verdict, check_face, check_hair
 from lrsr.identities.hair.hair import build_hair
 from lrsr.identities.head import Head
@@ -25,8 +25,7 @@ from lrsr.identities.morphable import (
     stream,
     template,
 )
-from lrsr.identities.population import EVERYBODY
-from lrsr.identities.shape.anatomy import RACES
+from lrsr.identities.population import ANCESTRIES, EVERYBODY
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.topology import REGIONS
 
@@ -172,7 +171,7 @@ def test_both_sexes_and_all_ancestries_are_about_equally_frequent() -> None:
     people = [morphable._draw_traits(seed, EVERYBODY) for seed in range(150)]
     women = sum(p["sex"] == "female" for p in people)
     assert abs(women - 75) < 3 * np.sqrt(150 / 4)
-    shares = np.mean([[p["ancestry"][race] for race in RACES] for p in people], axis=0)
+    shares = np.mean([[p["ancestry"][race] for race in ANCESTRIES] for p in people], axis=0)
     # Var of a Dirichlet(.25) share: (1/3)(2/3) / (0.75 + 1)
     assert np.abs(shares - 1 / 3).max() < 3.5 * np.sqrt(2 / 9 / 1.75 / 150)
 
@@ -202,10 +201,10 @@ def refuse_first(monkeypatch: pytest.MonkeyPatch, check: str, count: int) -> Non
     """Let a gate refuse its first draws, whatever they are."""
     true_check, asked = getattr(morphable, check), itertools.count()
 
-    def judge(*given: object) -> Plausibility:
+    def judge(*given: object, **named: object) -> Plausibility:
         if next(asked) < count:
-            return Plausibility((Verdict("a whim", 1.0, 0.0, 0.5, False),))
-        outcome: Plausibility = true_check(*given)
+            return Plausibility((Verdict("a whim", 1.0, 0.0, 0.5),))
+        outcome: Plausibility = true_check(*given, **named)
         return outcome
 
     monkeypatch.setattr(morphable, check, judge)
@@ -247,10 +246,12 @@ def test_everybody_is_plausible_before_they_get_wrinkles() -> None:
     for seed in range(12):
         parameters, face = morphable._draw_person(seed, EVERYBODY)
         assert parameters["gate"]["unresolved"] == []
-        assert check_face(face.skin, face.eyes, parameters).passed
+        iris, hair = parameters["appearance"]["iris"], parameters["hair"]
+        sex, half_angle = parameters["sex"], iris["half_angle_rad"]
+        assert check_face(face.skin, face.eyes, sex, half_angle).passed
         skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
-        hair = build_hair(parameters["hair"], skin, seed).vertices
-        assert check_hair(hair, skin, pupils, parameters).passed
+        grown = build_hair(hair, skin, seed).vertices
+        assert check_hair(grown, skin, pupils, stands=hair["sunk_mm"] == 0.0).passed
 
 
 def test_the_gate_does_not_choose_who_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -266,15 +267,15 @@ def test_the_gate_does_not_choose_who_there_is(monkeypatch: pytest.MonkeyPatch) 
 def test_neither_expression_nor_texture_decides_who_is_drawn(seed: int) -> None:
     wanted = sample_parameters(seed)
     for expression, size in (("surprise", 64), ("blink", 64), ("neutral", 256)):
-        head = sample_head(seed, texture_size=size, expression=expression)
+        head = sample_head(seed, texture_size=size, expression=EXPRESSIONS[expression])
         assert head.parameters == wanted
 
 
 def test_lids_that_wrinkle_do_not_dip_into_the_eyes(heads: dict[int, Head]) -> None:
-    rim = np.flatnonzero(np.abs(unit_ball().vertices[:, 2]) < 1e-9)
-    for head in heads.values():
+    for seed, head in heads.items():
         skin = head.part("skin").vertices.astype(np.float64)
-        for eye in measure_eyes(skin, eyes_of(head, rim)):
+        eyes = morphable._draw_person(seed, EVERYBODY)[1].eyes
+        for eye in measure_eyes(skin, eyes, iris_rad=0.37):
             assert eye.pierced_mm < 0.1
 
 

@@ -1,19 +1,27 @@
 """Skin is classed by its colour in CIELAB, as a dermatologist would measure it on the cheeks."""
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 import pytest
 from skimage.color import rgb2lab
 
+from lrsr.errors import InputError
+from lrsr.identities.face.expression import Expression
 from lrsr.identities.head import Head, Part
+from lrsr.identities.morphable import sample_head
 from lrsr.identities.person import (
     TONES,
+    Person,
     cheek_reflectance,
     describe,
     tone_of,
     typology_angle_deg,
 )
+from lrsr.identities.population import EVERYBODY, Population
+from lrsr.identities.splits import LARGEST_INDEX, SPLITS, identity_seed
 
 LANDMARKS = np.array(
     [[-32.0, 0, 0], [32.0, 0, 0], [0, -40.0, 20], [-25.0, -65.0, 5], [25.0, -65.0, 5]]
@@ -72,11 +80,11 @@ def test_a_mole_on_the_cheek_does_not_count() -> None:
     np.testing.assert_allclose(cheek_reflectance(head), [0.4, 0.2, 0.1], rtol=1e-6)
 
 
-def test_a_person_is_described_by_what_was_drawn_and_what_is_measured() -> None:
-    person = describe(face((0.55, 0.36, 0.27), (0.55, 0.36, 0.27)))
-    assert (person.sex, person.age_years, person.skin_tone) == ("female", 41.23, "light")
-    assert person.ancestry == {"asian": 0.8, "african": 0.2}
-    assert person.ita_deg == pytest.approx(typology_angle_deg([0.55, 0.36, 0.27]), abs=0.01)
+def test_a_head_is_described_by_what_was_drawn_and_what_is_measured() -> None:
+    traits = describe(face((0.55, 0.36, 0.27), (0.55, 0.36, 0.27)))
+    assert (traits.sex, traits.age_years, traits.skin_tone) == ("female", 41.23, "light")
+    assert traits.ancestry == {"asian": 0.8, "african": 0.2}
+    assert traits.ita_deg == pytest.approx(typology_angle_deg([0.55, 0.36, 0.27]), abs=0.01)
 
 
 def test_what_the_gate_did_is_recorded_where_it_is_known() -> None:
@@ -89,3 +97,56 @@ def test_what_the_gate_did_is_recorded_where_it_is_known() -> None:
 def test_a_head_of_unknown_origin_cannot_be_described() -> None:
     with pytest.raises(KeyError, match="sex"):
         describe(replace(face((0.4,) * 3, (0.4,) * 3), parameters={"age_years": 30.0}))
+
+
+def test_somebody_is_a_value() -> None:
+    women = Population("female", ("asian", "african"), (30, 50))
+    same = Person("test", np.int64(7), np.int8(1), Population("female", ("african", "asian")))
+    assert Person("test", 7) == Person("test", np.int64(7), 0, EVERYBODY)
+    assert len({Person("test", 7), Person("test", 7, 0, Population())}) == 1
+    assert same == replace(Person("test", 7, 1, women), population=same.population)
+    assert json.loads(json.dumps(asdict(same)))["index"] == 7
+
+
+def test_everybody_has_another_name() -> None:
+    people = [
+        Person(split, index, draw, population)
+        for split in SPLITS
+        for index in (0, 1, 100000)
+        for draw in (0, 1)
+        for population in (EVERYBODY, Population("male"), Population(age_years=(25, 40)))
+    ]
+    assert len({person.id for person in people}) == len(people)
+    assert Person("train", 3).id == "train-00003"
+    assert Person("test", 100000, 2).id == "test-100000-draw2"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"split": "testing"}, "identities.split=testing: wanted one of train, validation, test"),
+        ({"index": -1}, "index=-1: wanted 0 to"),
+        ({"index": LARGEST_INDEX + 1}, f"index={LARGEST_INDEX + 1}: wanted 0 to {LARGEST_INDEX}"),
+        ({"index": 0.5}, "index=0.5: wanted a whole number"),
+        ({"draw": -1}, "draw=-1: wanted 0 to"),
+        ({"draw": True}, "draw=[Tt]rue: wanted a whole number"),
+    ],
+    ids=str,
+)
+def test_nobody_is_out_of_range(wrong: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Person(**{"split": "test", "index": 0, **wrong})
+
+
+def test_a_head_is_that_of_the_seed_under_the_name_of_the_person() -> None:
+    women = Population("female")
+    person, smile = Person("validation", 2, 1, women), Expression("smile", {"mouthSmile": 0.5})
+    head = person.head(smile, 64)
+    wanted = sample_head(
+        identity_seed("validation", 2, 1), texture_size=64, population=women, expression=smile
+    )
+    assert head.identity_id == "validation-00002-female-draw1"
+    for mine, theirs in zip(head.parts, wanted.parts, strict=True):
+        np.testing.assert_array_equal(mine.vertices, theirs.vertices)
+        np.testing.assert_array_equal(mine.albedo, theirs.albedo)
+    assert describe(head).sex == "female"

@@ -10,9 +10,10 @@ import pytest
 
 from lrsr.errors import InputError
 from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.person import Person
 from lrsr.identities.population import EVERYBODY, Population
-from lrsr.identities.roster import Cast, Casting, Roster, make_cast, read_roster, write_roster
-from lrsr.identities.splits import identity_seed, split_of
+from lrsr.identities.roster import Cast, IdentityRange, Roster, read_roster, write_roster
+from lrsr.identities.splits import LARGEST_INDEX, identity_seed, split_of
 
 WOMEN = Population("female", ("asian",), (30, 50))
 ROSTER = Roster(
@@ -138,15 +139,69 @@ def test_an_impossible_roster_is_refused(wrong: dict[str, Any]) -> None:
         replace(ROSTER, **wrong)
 
 
-def test_settings_say_who_is_cast(path: Path) -> None:
-    settings = Casting(sex="female", ancestry=("asian",), age_years=(30, 50), roster=str(path))
-    assert settings.cast == Cast(WOMEN, ROSTER)
-    assert make_cast("female", ["asian"], [30, 50], str(path)) == settings.cast
-    assert Casting().cast == Cast()
+def test_settings_say_who_takes_part(path: Path) -> None:
+    people = IdentityRange(
+        start=11,
+        count=4,
+        sex="female",
+        ancestry=("asian",),
+        age_years=(30, 50),
+        roster=str(path),
+    )
+    assert people.cast == Cast(WOMEN, ROSTER)
+    assert people.people() == [
+        Person("test", index, draw, WOMEN) for index, draw in ((11, 0), (12, 1), (13, 0), (14, 3))
+    ]
+    assert people.person(12).id == "test-00012-female-asian-30to50-draw1"
 
 
-def test_settings_that_name_nobody_are_refused() -> None:
-    with pytest.raises(InputError, match=r"identities\.sex=woman"):
-        _ = Casting(sex="woman").cast
-    with pytest.raises(InputError, match=r"identities.age_years=\[30\]"):
-        make_cast("any", ["asian"], [30], None)
+def test_without_settings_everybody_takes_part() -> None:
+    people = IdentityRange(count=3)
+    assert people.cast == Cast()
+    assert people.people() == [Person("test", index) for index in range(3)]
+
+
+def test_a_configurations_lists_are_values() -> None:
+    listed = IdentityRange(ancestry=["asian"], age_years=[30, 50])  # type: ignore[arg-type]  # lists
+    assert listed == IdentityRange(ancestry=("asian",), age_years=(30, 50))
+    assert hash(listed) == hash(IdentityRange(ancestry=("asian",), age_years=(30, 50)))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"sex": "woman"}, r"identities\.sex=woman"),
+        ({"ancestry": ("asian", "martian")}, r"identities\.ancestry=\[asian,martian\]"),
+        ({"ancestry": ()}, r"identities\.ancestry=\[\]"),
+        ({"age_years": (30,)}, r"identities\.age_years=\[30\]"),
+        ({"split": "all"}, r"identities\.split=all: wanted one of train, validation, test"),
+        ({"count": 0}, r"identities\.count=0: wanted at least 1"),
+        ({"start": -1}, r"identities\.start=-1: wanted 0 to"),
+        ({"start": LARGEST_INDEX, "count": 2}, r"identities\.start=\d+: wanted 0 to \d+"),
+        ({"roster": "none.json"}, r"cannot read none\.json"),
+    ],
+    ids=str,
+)
+def test_settings_that_name_nobody_are_refused(wrong: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        IdentityRange(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"split": "train"}, r"identities\.split=train: wanted test, as the roster's"),
+        ({"start": 9}, "identities.roster covers test 10 to 14, not 9"),
+        ({"start": 11}, "identities.roster covers test 10 to 14, not 15"),
+        ({"sex": "any"}, "identities.roster is of another population: add identities.sex=female"),
+    ],
+    ids=str,
+)
+def test_a_roster_of_others_is_refused_at_once(
+    path: Path, changes: dict[str, Any], message: str
+) -> None:
+    given = {"start": 10, "count": 5, "sex": "female", "ancestry": ("asian",)}
+    given |= {"age_years": (30, 50), "roster": str(path)}
+    assert len(IdentityRange(**given).people()) == 5
+    with pytest.raises(InputError, match=message):
+        IdentityRange(**{**given, **changes})

@@ -47,7 +47,9 @@ def variance_of_difference(
     return variance(genuine_a, impostor_a) + variance(genuine_b, impostor_b) - 2 * between
 
 
-def jackknife_variance(matrix: Scores, probe_ids: list[str], gallery_ids: list[str]) -> Fraction:
+def areas_without_each(
+    matrix: Scores, probe_ids: list[str], gallery_ids: list[str]
+) -> list[Fraction]:
     """Leave each identity out of rows and columns, and measure the area of what remains."""
     identities = sorted(set(probe_ids) | set(gallery_ids))
     areas = []
@@ -59,8 +61,16 @@ def jackknife_variance(matrix: Scores, probe_ids: list[str], gallery_ids: list[s
                     continue
                 (genuine if probe == gallery else impostor).append(score)
         areas.append(auc(genuine, impostor))
+    return areas
+
+
+def spread_of_jackknife(areas: Fractions) -> Fraction:
     mean = sum(areas) / len(areas)
     return Fraction(len(areas) - 1, len(areas)) * sum((area - mean) ** 2 for area in areas)
+
+
+def jackknife_variance(matrix: Scores, probe_ids: list[str], gallery_ids: list[str]) -> Fraction:
+    return spread_of_jackknife(areas_without_each(matrix, probe_ids, gallery_ids))
 
 
 def operating_points(genuine: Scores, impostor: Scores) -> list[tuple[Fraction, Fraction]]:

@@ -10,19 +10,18 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from fakes.scenes import LIGHTINGS, ROOMS, Studio
 from numpy.typing import NDArray
 from oracles.heads import ellipsoid_part, stand_in
 
 from lrsr.identities.head import Head
+from lrsr.presets import preset
 from lrsr.rendering import stage
 from lrsr.rendering.backend import start
-from lrsr.rendering.bands import band_edges, srgb_weights
-from lrsr.rendering.lens import find_lens
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.scene import Lighting
 from lrsr.rendering.skin_spectrum import skin_albedo
 from lrsr.rendering.upsampling import filters, light_bands, meter_bands
 from lrsr.rendering.wavelengths import draw_wavelengths, split
+from lrsr.spectra import band_edges, srgb_weights
 
 Arrays = dict[str, NDArray[Any]]
 EDGES = band_edges(35)
@@ -57,15 +56,9 @@ def shapes() -> Arrays:
         "light_bands": light_bands(COLOURS, EDGES),
         "skin": skin,
         "skin_seen": np.array(seen).sum(axis=1),
-        "metered_yellow": np.array(meter_bands(stage_light("room_yellow"), EDGES)),
-        "metered_above": np.array(meter_bands(stage_light("above"), EDGES)),
+        "metered_yellow": np.array(meter_bands(ROOMS["room_yellow"], EDGES)),
+        "metered_above": np.array(meter_bands(LIGHTINGS["above"], EDGES)),
     }
-
-
-def stage_light(name: str) -> Lighting:
-    from lrsr.rendering.scene import find_lighting
-
-    return find_lighting(name)
 
 
 def rays() -> Arrays:
@@ -86,7 +79,7 @@ def rays() -> Arrays:
     }
 
 
-def pictures(renderer: Renderer) -> Arrays:
+def pictures(renderer: Studio) -> Arrays:
     """The same face as sRGB and as bands, several times; and by a lens."""
     ask: dict[str, Any] = {"lighting": "room_yellow", "ipd_px": 3, "samples_per_pixel": 256}
     head, weights = stand_in(1), srgb_weights(EDGES)
@@ -94,7 +87,7 @@ def pictures(renderer: Renderer) -> Arrays:
     plain = [renderer.render(head, seed=run, **ask).image.numpy() for run in range(RUNS)]
     films = [renderer.render(head, seed=run, bands=35, **ask) for run in range(100, 100 + RUNS)]
     again = renderer.render(head, seed=100, bands=35, **ask)
-    lens = renderer.render(head, bands=35, lens=find_lens("thin", f_number=2000.0), **ask)
+    lens = renderer.render(head, bands=35, lens=preset("lens", "thin", f_number=2000.0), **ask)
     return {
         "plain": np.array(plain),
         "observed": np.array([np.tensordot(weights, film.image.numpy(), 1) for film in films]),
@@ -117,9 +110,9 @@ def sphere() -> Arrays:
     radius = 60.0
     ball = ellipsoid_part("ball", "hair", (radius,) * 3, (0, -12.6, 0), np.full((2, 2, 3), 0.18))
     head = Head("sphere", (ball,), np.array([[-31.5, 0, 0], [31.5, 0, 0]]), np.zeros((5, 3)))
-    light = replace(stage_light("room_yellow"), panels=(), fill_share=1.0)
+    light = replace(ROOMS["room_yellow"], panels=(), fill_share=1.0)
     asked = {"ipd_px": 16, "samples_per_pixel": 512, "camera_m": 10.0, "bands": 35}
-    result = Renderer().render(head, lighting=light, **asked)
+    result = Studio().render(head, lighting=light, **asked)
     stage.bsdf = usual
     image = result.image.numpy()
     side = image.shape[-1]
@@ -134,7 +127,7 @@ def sphere() -> Arrays:
 
 if __name__ == "__main__":
     people = [stand_in(3), stand_in(4, ipd_mm=63.0), stand_in(3)]
-    renderer = Renderer()
+    renderer = Studio()
     ask: dict[str, Any] = {"ipd_px": 3, "samples_per_pixel": 64, "bands": 7}
     turns = np.array([renderer.render(head, **ask).image.numpy() for head in people])
     np.savez(sys.argv[1], **shapes(), **rays(), **pictures(renderer), **sphere(), turns=turns)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from oracles.heads import ball
 
+from lrsr.presets import preset
 from lrsr.rendering.backend import start
 from lrsr.rendering.painted_skin import Sampling, SkinSurface
 from lrsr.rendering.skin import Skin
@@ -55,7 +56,8 @@ def mean_of_ball(
     properties["bsdf"] = mi.load_dict({"type": "diffuse"})
     made = mesh(radius_mm, properties)
     surface = SkinSurface(made, texture(albedo, 3), texture(roughness, 1))
-    integrator = subsurface_integrator(skin or Skin(), [surface], sampling=sampling)
+    skin = skin or preset("rendering/skin", "jensen_skin1")
+    integrator = subsurface_integrator(skin, [surface], sampling=sampling)
     return _mean(made, integrator, radius_mm, samples, runs)
 
 

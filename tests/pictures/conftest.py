@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from fakes.maker import FakeMaker
 
-from lrsr.data.cache import RenderCache
+from lrsr.pictures.cache import RenderCache
 
 
 @pytest.fixture

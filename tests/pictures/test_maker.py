@@ -8,30 +8,32 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from fakes.scenes import EXPRESSIONS, SKINS, recipe, scene
 
-from lrsr.data.maker import MitsubaMaker, mitsuba_maker
-from lrsr.data.recipe import ProbeRecipe
+from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.identities.head import Head
-from lrsr.identities.person import Person
+from lrsr.identities.person import Traits
 from lrsr.identities.population import EVERYBODY, Population
 from lrsr.identities.splits import identity_seed
+from lrsr.pictures.maker import MitsubaMaker, mitsuba_maker
 from lrsr.rendering.radiance import Radiance
+from lrsr.rendering.scene import Film, Scene
+from lrsr.rendering.skin import REFLECTIVE, Skin
 
-RECIPE = ProbeRecipe("test", 5, pose="left", ipd_px=9.0, scale=2, seed=3, texture_size=64)
-SOMEBODY = Person("female", 40.0, {"asian": 1.0}, 30.0, "intermediate")
+RECIPE = recipe(5, pose="left", ipd_px=9.0, scale=2, seed=3, texture_size=64)
+SOMEBODY = Traits("female", 40.0, {"asian": 1.0}, 30.0, "intermediate")
 
 
 class Renderer:
-    made: list[tuple[str, int]]
-    asked: list[dict[str, Any]]
+    made: list[tuple[Skin, int]]
+    asked: list[tuple[Scene, Film, dict[str, Any]]]
 
-    def __init__(self, skin: str, *, max_depth: int) -> None:
+    def __init__(self, skin: Skin, *, max_depth: int) -> None:
         self.made.append((skin, max_depth))
 
-    def render(self, head: Head, **settings: Any) -> Radiance:
-        self.asked.append(settings)
-        light = torch.zeros(3, 4, 4), torch.zeros(5, 2)
-        return Radiance(*light, 8.0, 1, 1.0, 3, head.identity_id, "left", "frontal")
+    def render(self, head: Head, scene: Scene, film: Film, **settings: Any) -> Radiance:
+        self.asked.append((scene, film, settings))
+        return Radiance(torch.zeros(3, 4, 4), torch.zeros(5, 2), 8.0, 1, 1.0)
 
 
 @pytest.fixture(autouse=True)
@@ -40,7 +42,7 @@ def _parts(monkeypatch: pytest.MonkeyPatch) -> None:
     Renderer.made, Renderer.asked = [], []
 
     def sample_head(
-        seed: int, *, texture_size: int, population: Population, expression: str
+        seed: int, *, texture_size: int, population: Population, expression: Expression
     ) -> Head:
         numbers = {"seed": seed, "texture_size": texture_size, "population": population}
         numbers["expression"] = expression
@@ -82,18 +84,19 @@ def test_a_head_has_the_seed_of_its_split_and_the_name_of_the_recipe() -> None:
         "seed": 3 * 5 + 2,
         "texture_size": 64,
         "population": EVERYBODY,
-        "expression": "neutral",
+        "expression": NEUTRAL,
     }
 
 
 def test_a_head_wears_the_expression_of_the_recipe() -> None:
-    head = MitsubaMaker().head(replace(RECIPE, expression="smile"))
-    assert (head.identity_id, head.parameters["expression"]) == ("test-00005", "smile")
+    head = MitsubaMaker().head(replace(RECIPE, scene=scene(expression="smile")))
+    assert head.identity_id == "test-00005"
+    assert head.parameters["expression"] == EXPRESSIONS["smile"]
 
 
 def test_a_redrawn_head_has_another_seed_and_its_population() -> None:
     women = Population("female")
-    head = MitsubaMaker().head(replace(RECIPE, draw=2, population=women))
+    head = MitsubaMaker().head(recipe(5, draw=2, population=women))
     assert head.identity_id == "test-00005-female-draw2"
     assert head.parameters["seed"] == identity_seed("test", 5, draw=2)
     assert head.parameters["population"] == women
@@ -102,27 +105,19 @@ def test_a_redrawn_head_has_another_seed_and_its_population() -> None:
 def test_everything_the_recipe_says_reaches_the_renderer() -> None:
     maker = MitsubaMaker()
     radiance = maker.render(maker.head(RECIPE), RECIPE)
-    assert (radiance.identity_id, radiance.person) == ("test-00005", SOMEBODY)
-    (asked,) = Renderer.asked
-    assert asked == {
-        "pose": "left",
-        "lighting": "frontal",
-        "ipd_px": 9.0,
-        "scale": 2,
-        "samples_per_pixel": 2048,
-        "seed": 3,
-        "lens": "pinhole",
-        "standpoint": "level",
-        "bands": 0,
-    }
+    assert radiance.traits == SOMEBODY
+    assert Renderer.asked == [
+        (scene(pose="left"), Film(9.0, 2), {"samples_per_pixel": 2048, "seed": 3})
+    ]
 
 
 def test_one_renderer_serves_all_pictures_of_a_skin() -> None:
     maker = MitsubaMaker()
     head = maker.head(RECIPE)
     for depth in (5, 5, 8, 5):
-        maker.render(head, ProbeRecipe("test", 5, max_depth=depth))
-    assert Renderer.made == [("reflective", 5), ("reflective", 8)]
+        maker.render(head, recipe(5, max_depth=depth))
+    maker.render(head, recipe(5, skin="subsurface"))
+    assert Renderer.made == [(REFLECTIVE, 5), (REFLECTIVE, 8), (SKINS["subsurface"], 5)]
 
 
 def test_a_process_has_one_maker() -> None:

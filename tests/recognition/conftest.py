@@ -8,9 +8,9 @@ import onnx
 import pytest
 import torch
 from fakes.painted import PaintedMaker
+from lrsr.data.cache import RenderCache
 from onnx import TensorProto, helper
 
-from lrsr.data.cache import RenderCache
 from lrsr.onnx import contract_path, sha256_of
 from lrsr.recognition.contract import Contract, write_contract
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fakes.scenes import Studio
 from oracles.heads import stand_in
 
 from lrsr.identities.head import Head
 from lrsr.rendering.backend import start
-from lrsr.rendering.renderer import Renderer
 
 
 @pytest.fixture
@@ -20,12 +20,12 @@ def head() -> Head:
 
 
 @pytest.fixture(scope="session")
-def renderer(tmp_path_factory: pytest.TempPathFactory) -> Renderer:
+def renderer(tmp_path_factory: pytest.TempPathFactory) -> Studio:
     """Return one renderer for all: every further live scene makes every kernel longer."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LRSR_CACHE", str(tmp_path_factory.mktemp("cache")))
         start()
-    return Renderer()
+    return Studio()
 
 
 @pytest.fixture(scope="session")

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fakes.scenes import LIGHTINGS, ROOMS
 
 from lrsr.errors import InputError
 from lrsr.rendering.backend import start
@@ -16,7 +17,7 @@ from lrsr.rendering.environment import (
     panel_metered,
     panel_radiance,
 )
-from lrsr.rendering.lighting import LIGHTINGS, ROOMS, Lighting
+from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light, Panel
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fakes.scenes import LIGHTINGS, POSES, Studio
 from oracles.heads import stand_in
 from scipy.stats import norm
 
@@ -10,13 +11,12 @@ from lrsr.rendering import film
 from lrsr.rendering.backend import start
 from lrsr.rendering.film import describe_sensor, expose, grid_samples, pass_seed
 from lrsr.rendering.geometry import place_camera
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.scene import LIGHTINGS, POSES, Lighting
+from lrsr.rendering.lighting import Lighting
 
 POSE = POSES["left"]
 
 
-def pictures(renderer: Renderer, count: int, samples: int, *, own: bool) -> np.ndarray:
+def pictures(renderer: Studio, count: int, samples: int, *, own: bool) -> np.ndarray:
     head = stand_in(0)
     scene = renderer._stage.show(head, LIGHTINGS["side"], POSE)
     viewpoint = place_camera(head.pupils, 6.0, offset_mm=POSE.frame_offset_mm())
@@ -38,7 +38,7 @@ def pictures(renderer: Renderer, count: int, samples: int, *, own: bool) -> np.n
     )
 
 
-def test_every_pixel_agrees_with_mitsubas_splatting_film(renderer: Renderer) -> None:
+def test_every_pixel_agrees_with_mitsubas_splatting_film(renderer: Studio) -> None:
     ours, theirs = (pictures(renderer, 8, 256, own=own) for own in (True, False))
     # Mitsuba's filter is lowered to end at zero (by e^-8); its pixels differ by up to 0.1 %.
     variance = (ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / 8
@@ -48,7 +48,7 @@ def test_every_pixel_agrees_with_mitsubas_splatting_film(renderer: Renderer) -> 
 
 
 def test_passes_do_not_change_the_expectation(
-    renderer: Renderer, monkeypatch: pytest.MonkeyPatch
+    renderer: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = pictures(renderer, 4, 256, own=True)
     monkeypatch.setattr(film, "MAX_RAYS", 24 * 24 * 70)
@@ -68,7 +68,7 @@ def test_passes_and_seeds_have_seeds_of_their_own() -> None:
     assert len(set(seeds)) == len(seeds)
 
 
-def test_finer_films_are_aligned(renderer: Renderer) -> None:
+def test_finer_films_are_aligned(renderer: Studio) -> None:
     cloudy = Lighting("cloudy", (), fill_share=1.0)
     ask = {"pose": "left", "lighting": cloudy, "ipd_px": 6, "samples_per_pixel": 512}
     centroids = []
@@ -105,6 +105,6 @@ def test_a_lens_delivers_the_bands_of_a_pinhole(traced: dict[str, np.ndarray]) -
     assert lens.mean() == pytest.approx(pinhole.mean(), rel=5e-3)
 
 
-def test_bands_of_a_variant_of_three_colours_are_refused(renderer: Renderer) -> None:
+def test_bands_of_a_variant_of_three_colours_are_refused(renderer: Studio) -> None:
     with pytest.raises(InputError, match=r"bands=35: .* set LRSR_VARIANT=llvm_ad_spectral"):
         renderer.render(stand_in(0), ipd_px=4, samples_per_pixel=16, bands=35)

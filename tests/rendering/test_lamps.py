@@ -5,24 +5,24 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fakes.scenes import ROOMS, Studio
 from oracles.heads import ellipsoid_part, stand_in
 
 from lrsr.identities.head import Head
 from lrsr.rendering import stage
 from lrsr.rendering.backend import start
 from lrsr.rendering.lamps import describe_panels, map_data, move_panels, opaque
-from lrsr.rendering.lighting import ROOMS, Lighting
+from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light, Panel
-from lrsr.rendering.renderer import Renderer
 
 LAMP = Panel((400.0, 250.0, 700.0), 200.0, 300.0, kelvin=3500.0)
 ASK = {"ipd_px": 4.0, "samples_per_pixel": 64}
 
 
 @pytest.fixture(scope="module")
-def lit() -> Renderer:
+def lit() -> Studio:
     """Return a renderer of its own, whose scene has panels."""
-    return Renderer()
+    return Studio()
 
 
 def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], dict[str, str]]:
@@ -40,7 +40,7 @@ def test_the_meter_reads_what_a_small_grey_sphere_between_the_eyes_sends(
     grey = np.full((2, 2, 3), 0.18)
     ball = ellipsoid_part("skin", "skin", (radius,) * 3, (0, -1.26, 0), grey, 48, 96)
     head = Head("ball", (ball,), np.array([[-3.15, 0, 0], [3.15, 0, 0]]), np.zeros((5, 3)))
-    result = Renderer().render(
+    result = Studio().render(
         head, lighting=lighting, ipd_px=16, samples_per_pixel=512, camera_m=10.0
     )
     luminance = np.tensordot([0.2126, 0.7152, 0.0722], result.image.numpy(), axes=1)
@@ -50,7 +50,7 @@ def test_the_meter_reads_what_a_small_grey_sphere_between_the_eyes_sends(
     assert sphere / 0.18 == pytest.approx(result.metered, rel=0.015)
 
 
-def test_a_far_panel_lights_a_face_as_a_far_disc_does(lit: Renderer) -> None:
+def test_a_far_panel_lights_a_face_as_a_far_disc_does(lit: Studio) -> None:
     light = Light(azimuth_deg=50.0, elevation_deg=20.0, diameter_deg=12.0)
     side = 1e5 * np.sqrt(2 * np.pi * (1 - np.cos(np.radians(6.0))))
     panel = Panel(tuple((1e5 * light.direction()).tolist()), side, side)
@@ -65,7 +65,7 @@ def test_a_far_panel_lights_a_face_as_a_far_disc_does(lit: Renderer) -> None:
 @pytest.mark.parametrize(("x", "brighter"), [(900.0, "right"), (-900.0, "left")])
 @pytest.mark.parametrize("pose", ["frontal", "left"])
 def test_a_panel_stays_where_it_is_when_the_head_turns(
-    lit: Renderer, x: float, brighter: str, pose: str
+    lit: Studio, x: float, brighter: str, pose: str
 ) -> None:
     lighting = Lighting("beside", fill_share=0.05, panels=(Panel((x, 0.0, 300.0), 200.0, 200.0),))
     image = lit.render(stand_in(1, grey=0.5), lighting=lighting, pose=pose, **ASK).image.mean(0)
@@ -74,7 +74,7 @@ def test_a_panel_stays_where_it_is_when_the_head_turns(
     assert max(halves, key=lambda half: halves[half]) == brighter
 
 
-def test_moved_panels_give_the_bytes_of_a_fresh_scene_and_compile_nothing(lit: Renderer) -> None:
+def test_moved_panels_give_the_bytes_of_a_fresh_scene_and_compile_nothing(lit: Studio) -> None:
     import drjit as dr
 
     one, other = (
@@ -86,11 +86,11 @@ def test_moved_panels_give_the_bytes_of_a_fresh_scene_and_compile_nothing(lit: R
         moved = lit.render(stand_in(2), lighting=other, pose="left", **ASK)
         history = dr.kernel_history([dr.KernelType.JIT])
     assert [entry["hash"] for entry in history if not entry["cache_hit"]] == []
-    fresh = Renderer().render(stand_in(2), lighting=other, pose="left", **ASK)
+    fresh = Studio().render(stand_in(2), lighting=other, pose="left", **ASK)
     assert moved.image.equal(fresh.image)
 
 
-def test_a_lighting_without_panels_is_the_same_before_and_after(lit: Renderer) -> None:
+def test_a_lighting_without_panels_is_the_same_before_and_after(lit: Studio) -> None:
     first = lit.render(stand_in(1), lighting="side", **ASK)
     lit.render(stand_in(1), lighting="room_yellow", **ASK)
     assert lit.render(stand_in(1), lighting="side", **ASK).image.equal(first.image)
@@ -112,7 +112,7 @@ def test_a_scene_has_as_many_rectangles_as_panels() -> None:
     assert np.array(opaque(mi.Color3f(1, 2, 3))).ravel().tolist() == [1, 2, 3]
 
 
-def test_a_map_is_kept_with_copies_of_its_outer_columns(lit: Renderer) -> None:
+def test_a_map_is_kept_with_copies_of_its_outer_columns(lit: Studio) -> None:
     painted = np.random.default_rng(0).uniform(0, 1, (4, 8, 3)).astype(np.float32)
     mi = start()
     emitter = mi.load_dict({"type": "envmap", "bitmap": mi.Bitmap(painted.copy())})

@@ -5,21 +5,24 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fakes.scenes import LENSES
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
 from lrsr.errors import InputError
-from lrsr.rendering.lens import LENSES, Lens, find_lens, widest_f_number
+from lrsr.presets import preset
+from lrsr.rendering.glass import refractive_index
+from lrsr.rendering.lens import Lens, biconvex, widest_f_number
 from lrsr.rendering.mounted_lens import MountedLens, mount
-from lrsr.rendering.prescriptions import DOUBLE_GAUSS, biconvex
 from lrsr.rendering.surfaces import Surface, entrance_pupil, focal_length_mm, stop_number
 
 GLASS = ["single", "double_gauss"]
+DOUBLE_GAUSS = LENSES["double_gauss"].surfaces
 FOCUS_MM = 1100.0
 
 
-def mounted(name: str | Lens, **changes: Any) -> MountedLens:
-    return mount(find_lens(name, **changes), 3.0, FOCUS_MM, 0.4)
+def mounted(name: str, **changes: Any) -> MountedLens:
+    return mount(preset("lens", name, **changes), 3.0, FOCUS_MM, 0.4)
 
 
 def slopes_at(
@@ -40,7 +43,7 @@ def disc(count: int, radius: float) -> np.ndarray:
 @pytest.mark.parametrize("name", ["thin", *GLASS])
 @pytest.mark.parametrize("focus_mm", [300.0, 1100.0, 8900.0])
 def test_the_film_has_the_size_of_a_pinholes(name: str, focus_mm: float) -> None:
-    lens = mount(find_lens(name), 3.0, focus_mm, 0.4)
+    lens = mount(LENSES[name], 3.0, focus_mm, 0.4)
     assert lens.constant_mm == pytest.approx(3.0, rel=1e-12)
     # A thin lens of focal length f has its film at s f / (s - f); thick ones within their length.
     f = focal_length_mm(lens.surfaces)
@@ -81,7 +84,7 @@ def test_a_thin_lens_blurs_as_the_formula_says(depth_mm: float, f_number: float)
 @pytest.mark.parametrize("name", ["thin", *GLASS])
 @pytest.mark.parametrize("f_number", [4.0, 11.0])
 def test_the_f_number_is_focal_length_over_entrance_pupil(name: str, f_number: float) -> None:
-    surfaces = find_lens(name, f_number=f_number).unit()
+    surfaces = preset("lens", name, f_number=f_number).unit()
     stop = surfaces[stop_number(surfaces)].semi_aperture_mm
     diameter = 2 * stop * entrance_pupil(surfaces)[1]
     assert focal_length_mm(surfaces) / diameter == pytest.approx(f_number, rel=1e-12)
@@ -126,7 +129,7 @@ def test_no_light_passes_outside_the_pupil_that_is_sampled(name: str, f_number: 
 )
 def test_few_rays_are_lost(name: str, height_mm: float, least: float) -> None:
     """At F/2 the rims of the double Gauss hide a quarter of the pupil 7° off the axis."""
-    lens = mount(find_lens(name), 3.0, FOCUS_MM, 0.48)
+    lens = mount(LENSES[name], 3.0, FOCUS_MM, 0.48)
     film = np.tile([height_mm, 0.0], (2000, 1))
     aims = disc(2000, 1.0) * lens.pupil_reach_mm(film)[:, None] + lens.pupil_middle_mm(film)
     _, _, through = lens.rays_from_film(film, aims)
@@ -137,7 +140,7 @@ def test_a_rim_darkens_the_corner_of_the_picture() -> None:
     """The front of a double Gauss hides part of the stop from the edge of the field, at F/2."""
     shares = []
     for f_number in (None, 8.0):
-        lens = mount(find_lens("double_gauss", f_number=f_number), 3.0, FOCUS_MM, 1.3)
+        lens = mount(preset("lens", "double_gauss", f_number=f_number), 3.0, FOCUS_MM, 1.3)
         aims = disc(4000, lens.pupil_radius_mm)
         passed = []
         for height in (0.0, 0.8):
@@ -161,12 +164,11 @@ def test_landmarks_are_where_a_lens_shows_them_within_a_twentieth_of_a_pixel(nam
         assert -middle * 3.0 / 2.65e-3 == pytest.approx(px, abs=0.05)
 
 
-def test_lenses_are_found_by_name_and_changed() -> None:
-    assert find_lens("thin", f_number=2.0).f_number == 2.0
-    own = Lens("own", biconvex(3.0, 1.0, 1.0, "F2"))
-    assert find_lens(own, focus_m=2.0) == Lens("own", own.surfaces, focus_m=2.0)
+def test_a_lens_is_a_pinhole_ideal_or_of_glass() -> None:
+    assert preset("lens", "thin", f_number=2.0).f_number == 2.0
     assert LENSES["pinhole"].is_pinhole
     assert LENSES["thin"].is_ideal
+    assert not any(LENSES[name].is_pinhole or LENSES[name].is_ideal for name in GLASS)
 
 
 def test_a_lens_from_a_configuration_is_a_value() -> None:
@@ -181,11 +183,6 @@ def test_a_lens_from_a_configuration_is_a_value() -> None:
     assert hash(lens) == hash(instantiate(OmegaConf.create(given)))
 
 
-def test_an_unknown_lens_names_the_known() -> None:
-    with pytest.raises(InputError, match="lens 'zoom' does not exist; choose one of pinhole, thin"):
-        find_lens("zoom")
-
-
 STOPLESS = (Surface(50.0, 5.0, "N-BK7"), Surface(-50.0, 1.0))
 SPREADING = (Surface(-50.0, 5.0, "N-BK7", 5.0, stop=True), Surface(50.0, 1.0))
 WET = (Surface(50.0, 5.0, "N-BK7", 5.0, stop=True),)
@@ -194,18 +191,21 @@ WET = (Surface(50.0, 5.0, "N-BK7", 5.0, stop=True),)
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({"f_number": 0.0}, "f_number=0.0; give a number > 0"),
-        ({"focus_m": -1.0}, "focus_m=-1.0; give a number > 0"),
-        ({"f_number": math.nan}, "f_number=nan; give a number > 0"),
-        ({"surfaces": STOPLESS}, "a lens of 0 stops: mark exactly one"),
-        ({"surfaces": SPREADING}, "give one that gathers light"),
-        ({"surfaces": WET}, "ends in glass: give its last surface air"),
-        ({"surfaces": DOUBLE_GAUSS, "f_number": 1.4}, "f_number=1.4; it opens to 2.03 at most"),
+        ({"f_number": 0.0}, r"lens\.f_number=0: wanted a number > 0"),
+        ({"focus_m": -1.0}, r"lens\.focus_m=-1: wanted a number > 0"),
+        ({"f_number": math.nan}, r"lens\.f_number=nan: wanted a number"),
+        ({"surfaces": STOPLESS}, "lens 'bad'.*a lens of 0 stops: mark exactly one"),
+        ({"surfaces": SPREADING}, "lens 'bad'.*give one that gathers light"),
+        ({"surfaces": WET}, "lens 'bad' ends in glass: give its last surface air"),
+        (
+            {"surfaces": DOUBLE_GAUSS, "f_number": 1.4},
+            "lens 'bad': f_number=1.4; it opens to 2.03 at most",
+        ),
     ],
     ids=["f/0", "behind", "nan", "no stop", "spreads", "glass behind", "too wide"],
 )
 def test_a_lens_refuses_what_cannot_be(fields: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=f"lens 'bad'.*{message}"):
+    with pytest.raises(InputError, match=message):
         Lens("bad", **fields)
 
 
@@ -221,3 +221,24 @@ def test_a_pinhole_is_not_mounted() -> None:
 
 def test_the_widest_f_number_of_the_double_gauss_is_two() -> None:
     assert widest_f_number(DOUBLE_GAUSS) == pytest.approx(2, rel=0.02)
+
+
+@pytest.mark.parametrize("thickness", [0.5, 1.0, 2.0])
+def test_a_biconvex_lens_has_the_focal_length_that_was_asked_for(thickness: float) -> None:
+    lens = biconvex(3.0, thickness, 0.5, "F2")
+    assert focal_length_mm(lens) == pytest.approx(3.0, rel=1e-12)
+    n, radius = float(refractive_index("F2")), lens[1].radius_mm
+    power = (n - 1) * (2 / radius - (n - 1) * thickness / (n * radius**2))
+    assert 1 / power == pytest.approx(3.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("thickness", "semi", "message"),
+    [(9.0, 0.5, "do not fit"), (1.0, 3.0, "do not fit"), (0.2, 1.0, "give a thickness > 0.335")],
+    ids=["thick", "wide", "thin"],
+)
+def test_a_biconvex_lens_that_cannot_be_is_refused(
+    thickness: float, semi: float, message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        biconvex(3.0, thickness, semi, "N-BK7")

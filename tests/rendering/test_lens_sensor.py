@@ -9,29 +9,28 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fakes.scenes import LENSES, LIGHTINGS, Studio
 from oracles.heads import dots, stand_in
 from scipy.stats import norm
 
+from lrsr.presets import preset
 from lrsr.rendering.backend import start
 from lrsr.rendering.film import describe_film, describe_sensor, expose, make_sensor
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint, place_camera
-from lrsr.rendering.lens import CHANNELS_NM, Lens, find_lens
+from lrsr.rendering.lens import CHANNELS_NM, Lens, biconvex
 from lrsr.rendering.lens_sensor import ROW, lens_sensor, table
 from lrsr.rendering.mounted_lens import mount
-from lrsr.rendering.prescriptions import biconvex
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.scene import LIGHTINGS, POSES, Pose
+from lrsr.rendering.pose import FRONTAL, Pose
 from lrsr.rendering.surfaces import image_of
 
 FOCUS_MM = 1100.0
 SLOPE = 0.113
 NAMES = ["thin", "single", "double_gauss"]
-FRONTAL = POSES["frontal"]
 
 
 def rays(name: str, count: int, wavelength: float, **changes: Any) -> tuple[Any, ...]:
     """Trace the same rays by the sensor and in double precision."""
-    lens = find_lens(name, **changes)
+    lens = preset("lens", name, **changes)
     mounted = mount(lens, 3.0, FOCUS_MM, 0.5)
     shift = np.eye(4)
     shift[:3, 3] = 1, 2, 3
@@ -53,7 +52,7 @@ def rays(name: str, count: int, wavelength: float, **changes: Any) -> tuple[Any,
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_rays_are_those_of_double_precision(renderer: Renderer, name: str) -> None:
+def test_rays_are_those_of_double_precision(renderer: Studio, name: str) -> None:
     (origin, way, weight), (point, wanted, through) = rays(name, 5000, 0.2)
     assert ((weight[:, 0] > 0) == through).mean() > 0.999  # the rest grazes a rim
     seen = through & (weight[:, 0] > 0)
@@ -62,7 +61,7 @@ def test_rays_are_those_of_double_precision(renderer: Renderer, name: str) -> No
 
 
 @pytest.mark.parametrize("channel", [0, 1, 2])
-def test_a_ray_of_a_dispersing_lens_has_one_channel(renderer: Renderer, channel: int) -> None:
+def test_a_ray_of_a_dispersing_lens_has_one_channel(renderer: Studio, channel: int) -> None:
     sample = (channel + 0.5) / 3
     (_, way, weight), (_, wanted, through) = rays("single", 500, sample, dispersion=True)
     np.testing.assert_allclose(way[through], wanted[through], atol=2e-6)
@@ -95,7 +94,7 @@ def field(lens: Lens, film_px: int = 16, slope: float = 0.3, samples: int = 1024
 def falls(name: str, slope: float) -> Callable[[np.ndarray], np.ndarray]:
     """Return how bright a film point at a slope is beside the middle, by quadrature."""
     constant = 16 / 2 / slope * AXIS_P1435LE.pitch_um / 1000
-    mounted = mount(find_lens(name), constant, FOCUS_MM, 1.5 * slope * constant)
+    mounted = mount(LENSES[name], constant, FOCUS_MM, 1.5 * slope * constant)
     grid = (np.arange(201) / 100 - 1) * 1.4 * mounted.pupil_radius_mm
     aims = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
 
@@ -112,10 +111,10 @@ def falls(name: str, slope: float) -> Callable[[np.ndarray], np.ndarray]:
 
 @pytest.mark.parametrize("name", ["single", "double_gauss"])
 def test_a_field_of_one_is_one_in_the_middle_and_falls_off_as_rims_make_it(
-    renderer: Renderer, name: str
+    renderer: Studio, name: str
 ) -> None:
     slope = 0.3
-    image = field(find_lens(name), slope=slope)[..., 1]
+    image = field(LENSES[name], slope=slope)[..., 1]
     law = falls(name, slope)
     offset = (np.arange(16) + 0.5 - 8) / 8 * slope
     spread = np.random.default_rng(0).normal(0, 0.5 / 8 * slope, (2, 4000))  # the film's filter
@@ -125,11 +124,11 @@ def test_a_field_of_one_is_one_in_the_middle_and_falls_off_as_rims_make_it(
     assert image[0, 0] < 0.95 * image[7, 7]
 
 
-def test_a_thin_lens_does_not_fall_off(renderer: Renderer) -> None:
-    np.testing.assert_allclose(field(find_lens("thin")), 1.0, atol=1e-6)
+def test_a_thin_lens_does_not_fall_off(renderer: Studio) -> None:
+    np.testing.assert_allclose(field(LENSES["thin"]), 1.0, atol=1e-6)
 
 
-def blurred(renderer: Renderer, lens: Lens, seed: int, depth_mm: float = FOCUS_MM) -> np.ndarray:
+def blurred(renderer: Studio, lens: Lens, seed: int, depth_mm: float = FOCUS_MM) -> np.ndarray:
     head = stand_in(1)
     scene = renderer._stage.show(head, LIGHTINGS["side"], FRONTAL)
     viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
@@ -146,7 +145,7 @@ def blurred(renderer: Renderer, lens: Lens, seed: int, depth_mm: float = FOCUS_M
     )
 
 
-def test_our_thin_lens_is_mitsubas(renderer: Renderer) -> None:
+def test_our_thin_lens_is_mitsubas(renderer: Studio) -> None:
     """The aperture is 30 mm wide and focused behind the head."""
     mi = start()
     head = stand_in(1)
@@ -162,7 +161,7 @@ def test_our_thin_lens_is_mitsubas(renderer: Renderer) -> None:
         np.array(mi.render(scene, sensor=sensor, integrator=renderer._path(), spp=256, seed=s))
         for s in range(100, 108)
     ]
-    sharp = np.array([blurred(renderer, find_lens("pinhole"), seed) for seed in range(8)])
+    sharp = np.array([blurred(renderer, LENSES["pinhole"], seed) for seed in range(8)])
     assert_same_expectation(np.array(ours), np.array(theirs))
     assert np.abs(np.mean(ours, axis=0) - sharp.mean(axis=0)).max() > 0.01
 
@@ -176,10 +175,10 @@ def assert_same_expectation(ours: np.ndarray, theirs: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_tiny_aperture_shows_what_a_pinhole_shows(renderer: Renderer, name: str) -> None:
-    tiny = find_lens(name, f_number=2000.0)
+def test_a_tiny_aperture_shows_what_a_pinhole_shows(renderer: Studio, name: str) -> None:
+    tiny = preset("lens", name, f_number=2000.0)
     through_lens = np.array([blurred(renderer, tiny, seed) for seed in range(8)])
-    pinhole = np.array([blurred(renderer, find_lens("pinhole"), seed) for seed in range(50, 58)])
+    pinhole = np.array([blurred(renderer, LENSES["pinhole"], seed) for seed in range(50, 58)])
     if name != "thin":  # cos⁴ at the edge of ±20°
         middle = through_lens.shape[1] // 2
         window = slice(middle - 3, middle + 3)
@@ -191,7 +190,7 @@ def test_a_tiny_aperture_shows_what_a_pinhole_shows(renderer: Renderer, name: st
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_picture_is_upright_and_landmarks_are_where_it_shows_them(
-    lens_renderer: Renderer, name: str
+    lens_renderer: Studio, name: str
 ) -> None:
     points = stand_in(3).landmarks
     pose = Pose("turned", yaw_deg=20, pitch_deg=10, roll_deg=15)
@@ -201,7 +200,7 @@ def test_the_picture_is_upright_and_landmarks_are_where_it_shows_them(
         ipd_px=16,
         scale=2,
         samples_per_pixel=256,
-        lens=find_lens(name, f_number=8.0),
+        lens=preset("lens", name, f_number=8.0),
     )
     darkness = np.clip(1 - result.image[1].numpy() / result.image[1].numpy().max(), 0, None)
     for x, y in result.landmarks_px.numpy():
@@ -213,12 +212,12 @@ def test_the_picture_is_upright_and_landmarks_are_where_it_shows_them(
 
 
 @pytest.fixture(scope="module")
-def lens_renderer() -> Renderer:
+def lens_renderer() -> Studio:
     """Return a renderer of its own for the dots, whose scene is loaded once."""
-    return Renderer()
+    return Studio()
 
 
-def test_all_lenses_share_one_kernel(renderer: Renderer) -> None:
+def test_all_lenses_share_one_kernel(renderer: Studio) -> None:
     import drjit as dr
 
     ask = {"ipd_px": 4, "samples_per_pixel": 64}
@@ -228,27 +227,29 @@ def test_all_lenses_share_one_kernel(renderer: Renderer) -> None:
         dr.kernel_history_clear()
         renderer.render(stand_in(0), lens="single", pose="left", **ask)
         renderer.render(stand_in(0), lens="double_gauss", lighting="below", scale=2, **ask)
-        renderer.render(stand_in(0), lens=find_lens("single", f_number=8.0, dispersion=True), **ask)
+        renderer.render(
+            stand_in(0), lens=preset("lens", "single", f_number=8.0, dispersion=True), **ask
+        )
         renderer.render(stand_in(0), lens=Lens("own", biconvex(2.0, 0.8, 0.7, "F2")), **ask)
         history = dr.kernel_history([dr.KernelType.JIT])
     assert len(history) >= 4
     assert [entry["hash"] for entry in history if not entry["cache_hit"]] == []
 
 
-def test_the_same_lens_gives_the_same_bytes(renderer: Renderer) -> None:
+def test_the_same_lens_gives_the_same_bytes(renderer: Studio) -> None:
     ask = {"ipd_px": 4, "samples_per_pixel": 64, "lens": "double_gauss", "seed": 3}
     first = renderer.render(stand_in(1), **ask).image
     renderer.render(stand_in(2), ipd_px=4, samples_per_pixel=64, lens="thin")
     assert renderer.render(stand_in(1), **ask).image.equal(first)
 
 
-def test_mitsuba_renders_with_the_sensor(renderer: Renderer) -> None:
+def test_mitsuba_renders_with_the_sensor(renderer: Studio) -> None:
     """As a plain sensor of ``mi.render``: the same picture as that of our film, within noise."""
     mi = start()
     head = stand_in(1)
     scene = renderer._stage.show(head, LIGHTINGS["side"], FRONTAL)
     viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
-    lens = find_lens("double_gauss")
+    lens = LENSES["double_gauss"]
     sensor = make_sensor(viewpoint, FRONTAL, viewpoint.film_px, 256, lens, 380.0)
     theirs = [
         np.array(mi.render(scene, sensor=sensor, integrator=renderer._path(), spp=256, seed=s))
@@ -260,7 +261,7 @@ def test_mitsuba_renders_with_the_sensor(renderer: Renderer) -> None:
 
 
 def test_the_table_is_what_light_from_the_film_meets() -> None:
-    mounted = mount(find_lens("single"), 3.0, FOCUS_MM, 0.5)
+    mounted = mount(LENSES["single"], 3.0, FOCUS_MM, 0.5)
     rows = table(mounted)
     assert rows.shape == (3, ROW)
     np.testing.assert_allclose(rows[:, 0] - mounted.image_mm, [0.0, 1.0, 1.0], atol=3e-3)
@@ -272,7 +273,7 @@ def test_the_table_is_what_light_from_the_film_meets() -> None:
     assert image_of(mounted.surfaces, FOCUS_MM)[0] == pytest.approx(mounted.image_mm)
 
 
-def test_the_slow_variant_shows_the_same(renderer: Renderer, tmp_path: Path) -> None:
+def test_the_slow_variant_shows_the_same(renderer: Studio, tmp_path: Path) -> None:
     ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16, "lens": "single"}
     fast = renderer.render(stand_in(0), **{**ask, "samples_per_pixel": 1024}).image.numpy()
     code = (
@@ -294,13 +295,13 @@ import sys
 import numpy as np
 from oracles.heads import stand_in
 from lrsr.rendering.backend import start
-from lrsr.rendering.lens import find_lens
+from fakes.scenes import Studio
+from lrsr.presets import preset
 from lrsr.rendering.lens_sensor import lens_sensor
 from lrsr.rendering.mounted_lens import mount
-from lrsr.rendering.renderer import Renderer
 
 mi = start()
-mounted = mount(find_lens("single"), 3.0, 1100.0, 0.5)
+mounted = mount(preset("lens", "single"), 3.0, 1100.0, 0.5)
 sensor = lens_sensor(mounted, np.eye(4), 0.1, 16, 16, disperse=False)
 position, aperture = np.random.default_rng(0).uniform(size=(2, 300, 2))
 colour = np.random.default_rng(1).uniform(size=300)
@@ -317,12 +318,12 @@ for number in range(300):
     _, wanted, through = mounted.rays_from_film(film[one], aims[one], float(nm[0, number]))
     if through.all():
         errors.append(np.abs(way[number] - wanted[0] * (1, 1, -1)).max())
-renderer = Renderer()
+renderer = Studio()
 ask = {"lighting": "room_blue", "ipd_px": 4, "samples_per_pixel": 2048}
 renderer.render(stand_in(2), lens="thin", **{**ask, "lighting": "side"})
 pinhole, tiny = (
     renderer.render(stand_in(1), lens=lens, **ask).image.numpy()
-    for lens in ("pinhole", find_lens("thin", f_number=2000.0))
+    for lens in ("pinhole", preset("lens", "thin", f_number=2000.0))
 )
 np.savez(sys.argv[1], errors=errors, nm=nm, weight=np.array(weight), pinhole=pinhole, tiny=tiny)
 """
@@ -352,7 +353,7 @@ def test_only_the_wavelength_that_is_traced_has_a_weight(spectral: dict[str, np.
 
 
 def test_one_wavelength_of_four_is_right_on_average(
-    spectral: dict[str, np.ndarray], renderer: Renderer
+    spectral: dict[str, np.ndarray], renderer: Studio
 ) -> None:
     pinhole, tiny = spectral["pinhole"], spectral["tiny"]
     assert tiny.mean(axis=(1, 2)) == pytest.approx(pinhole.mean(axis=(1, 2)), rel=5e-3)

@@ -1,11 +1,13 @@
 """Lightings: names, configuration, what is recorded of them, and what is refused."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from fakes.scenes import LIGHTINGS, ROOMS
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
@@ -13,32 +15,10 @@ from lrsr.errors import InputError
 from lrsr.paths import config_folder
 from lrsr.rendering.backend import start
 from lrsr.rendering.colour import rgb_of_kelvin
-from lrsr.rendering.lighting import LIGHTINGS, ROOMS, Lighting, find_lighting
+from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light, Panel
 
 WINDOW = Panel((1500.0, 900.0, 900.0), 1200.0, 1500.0)
-
-
-def test_lightings_are_found_by_name_and_changed() -> None:
-    assert find_lighting("side", fill_share=0.5).fill_share == 0.5
-    assert find_lighting(LIGHTINGS["below"]) is not None
-    assert find_lighting("room_blue") == ROOMS["room_blue"]
-
-
-def test_an_unknown_lighting_names_the_known() -> None:
-    with pytest.raises(InputError, match=r"'sun' does not exist; choose one of frontal.*room_blue"):
-        find_lighting("sun")
-
-
-@pytest.mark.parametrize("name", [*LIGHTINGS, *ROOMS])
-def test_the_configuration_offers_what_the_tables_hold(name: str) -> None:
-    config = OmegaConf.load(config_folder() / "lighting" / f"{name}.yaml")
-    assert instantiate(config) == find_lighting(name)
-
-
-def test_the_configuration_offers_no_lighting_beyond_the_tables_a_lamp_and_a_map() -> None:
-    files = {path.stem for path in (config_folder() / "lighting").glob("*.yaml")}
-    assert files == {*LIGHTINGS, *ROOMS, "lamp", "map"}
 
 
 def test_a_lamp_is_given_on_the_command_line() -> None:
@@ -96,7 +76,7 @@ def test_records_of_before_stay_true() -> None:
 )
 def test_what_is_new_is_recorded_where_it_is_used(change: dict[str, Any]) -> None:
     plain = Lighting("mine", (Light(0.0, 0.0),))
-    changed = find_lighting(plain, **change)
+    changed = replace(plain, **change)
     assert changed.record() != plain.record()
     assert set(plain.record()) == {"name", "lights", "fill_share", "fill_rgb"}
 
@@ -130,7 +110,7 @@ def test_a_lighting_refuses_what_cannot_be(lights: tuple, share: float, fill: tu
     ("fields", "message"),
     [
         ({"map": "no/such.exr"}, "map=no/such.exr is no file; give an .exr"),
-        ({"map_deg": float("nan")}, "map_deg=nan; give a number"),
+        ({"map_deg": float("nan")}, r"lighting\.map_deg=nan: wanted a number"),
         ({"fill_kelvin": 100.0}, "colour temperature 100.0 K: give 2000 to 25000"),
         ({"fill_kelvin": 3000.0, "fill_rgb": (1, 0, 0)}, "give one of the two"),
         ({"fill_share": 1.0, "panels": (WINDOW,)}, "fill_share=1.0 with 1 lights"),

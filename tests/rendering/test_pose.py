@@ -1,13 +1,11 @@
-"""Poses: directions, the pivot, names, and that conf says the same as the table."""
+"""Poses: directions, the pivot, and what is refused."""
 
 import numpy as np
 import pytest
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
+from fakes.scenes import POSES
 
 from lrsr.errors import InputError
-from lrsr.paths import config_folder
-from lrsr.rendering.pose import PIVOT_MM, POSES, Pose, find_pose
+from lrsr.rendering.pose import PIVOT_MM, Pose
 
 
 @pytest.mark.parametrize(
@@ -38,21 +36,7 @@ def test_a_frontal_head_does_not_move() -> None:
     assert POSES["frontal"].frame_offset_mm() == (0.0, 0.0)
 
 
-def test_a_pose_refuses_nan() -> None:
-    with pytest.raises(InputError, match="give finite numbers"):
-        Pose("broken", yaw_deg=float("nan"))
-
-
-def test_poses_are_found_by_name_and_changed() -> None:
-    assert find_pose("left", yaw_deg=12.0) == Pose("left", yaw_deg=12.0)
-    assert find_pose(Pose("own", 1.0)) == Pose("own", 1.0)
-
-
-def test_an_unknown_pose_names_the_known() -> None:
-    with pytest.raises(InputError, match="'sideways' does not exist; choose one of frontal, up"):
-        find_pose("sideways")
-
-
-def test_the_configuration_offers_exactly_the_table() -> None:
-    files = {path.stem: path for path in (config_folder() / "pose").glob("*.yaml")}
-    assert {name: instantiate(OmegaConf.load(path)) for name, path in files.items()} == POSES
+@pytest.mark.parametrize("angle", [float("nan"), float("inf"), "steep", True], ids=str)
+def test_a_pose_refuses_what_is_no_angle(angle: float) -> None:
+    with pytest.raises(InputError, match=f"pose.yaw_deg={angle}: wanted a number"):
+        Pose("broken", yaw_deg=angle)

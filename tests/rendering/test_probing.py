@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
+from fakes.scenes import Studio
 
 from lrsr.rendering.backend import start
 from lrsr.rendering.diffusion import NEAR, far_width, near_weight
 from lrsr.rendering.probing import Profile
-from lrsr.rendering.renderer import Renderer
 
 ALBEDO = (0.41, 0.2, 0.1)
 PATH_MM = (1.3, 0.95, 0.67)
 
 
 @pytest.fixture(scope="module", params=[10.0, 3.0], ids=["10 mm", "3 mm"])
-def profile(request: pytest.FixtureRequest, renderer: Renderer) -> Profile:
+def profile(request: pytest.FixtureRequest, renderer: Studio) -> Profile:
     mi = start()
     return Profile(mi.Color3f(*ALBEDO), mi.Color3f(*PATH_MM), mi.Float(request.param))
 
@@ -27,7 +27,7 @@ def test_each_channel_is_whole_within_the_reach(profile: Profile) -> None:
         assert (channel.numpy() * rings).sum() == pytest.approx(1, abs=2e-3)
 
 
-def test_a_far_reach_leaves_the_fits_as_they_are(renderer: Renderer) -> None:
+def test_a_far_reach_leaves_the_fits_as_they_are(renderer: Studio) -> None:
     mi = start()
     whole = Profile(mi.Color3f(*ALBEDO), mi.Color3f(*PATH_MM), mi.Float(1000.0))
     for channel, (albedo, path) in enumerate(zip(ALBEDO, PATH_MM, strict=True)):

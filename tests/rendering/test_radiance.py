@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 import torch
 
-from lrsr.rendering.bands import band_edges
 from lrsr.rendering.radiance import Radiance, spectrum_of
+from lrsr.spectra import band_edges
 
-PLAIN = Radiance(torch.zeros(3, 2, 2), torch.zeros(5, 2), 8.0, 1, 2.0, 0, "x", "frontal", "side")
+PLAIN = Radiance(torch.zeros(3, 2, 2), torch.zeros(5, 2), 8.0, 1, 2.0)
 BANDED = replace(
     PLAIN, image=torch.zeros(7, 2, 2), edges_nm=band_edges(7), metered_bands=(1.0,) * 6 + (4.0,)
 )

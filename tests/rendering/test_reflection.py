@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fakes.scenes import Studio
 
 from lrsr.rendering.backend import start
 from lrsr.rendering.reflection import (
@@ -10,13 +11,12 @@ from lrsr.rendering.reflection import (
     directional_albedo,
     fresnel,
 )
-from lrsr.rendering.renderer import Renderer
 
 COUNT = 1 << 18
 
 
 @pytest.fixture(scope="module")
-def reflection(renderer: Renderer) -> RoughReflection:
+def reflection(renderer: Studio) -> RoughReflection:
     return RoughReflection(1.4)
 
 

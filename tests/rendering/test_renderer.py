@@ -5,12 +5,15 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import torch
+from fakes.scenes import LIGHTINGS, POSES, SKINS, Studio, scene
 from oracles.heads import dots, ellipsoid_part, stand_in
 
 import lrsr.rendering
@@ -19,17 +22,21 @@ from lrsr.identities.head import Head
 from lrsr.images import linear_to_srgb
 from lrsr.rendering import renderer as module
 from lrsr.rendering import stage
-from lrsr.rendering.renderer import Renderer, render, shared_renderer
-from lrsr.rendering.scene import LIGHTINGS, POSES, Lighting, Pose, environment
+from lrsr.rendering.environment import environment
+from lrsr.rendering.lighting import Lighting
+from lrsr.rendering.pose import Pose
+from lrsr.rendering.renderer import Renderer, render
+from lrsr.rendering.scene import Film
+from lrsr.rendering.skin import REFLECTIVE
 
 CLOUDY = Lighting("cloudy", (), fill_share=1.0)
 FAR = Pose("far", yaw_deg=45, pitch_deg=25, roll_deg=10)
 
 
 @pytest.fixture(scope="module")
-def dot_renderer() -> Renderer:
+def dot_renderer() -> Studio:
     """Return a renderer of its own for the dots, so that scenes are not reloaded all the time."""
-    return Renderer()
+    return Studio()
 
 
 def centroids(darkness: np.ndarray, guesses: np.ndarray, reach: int) -> np.ndarray:
@@ -46,7 +53,7 @@ def centroids(darkness: np.ndarray, guesses: np.ndarray, reach: int) -> np.ndarr
 
 
 @pytest.mark.parametrize("pose", [*POSES.values(), FAR], ids=lambda pose: pose.name)
-def test_landmarks_are_where_the_picture_shows_them(dot_renderer: Renderer, pose: Pose) -> None:
+def test_landmarks_are_where_the_picture_shows_them(dot_renderer: Studio, pose: Pose) -> None:
     points = stand_in(3).landmarks
     result = dot_renderer.render(
         dots(points), pose=pose, lighting=CLOUDY, ipd_px=16, scale=4, samples_per_pixel=1024
@@ -57,7 +64,7 @@ def test_landmarks_are_where_the_picture_shows_them(dot_renderer: Renderer, pose
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_the_ipd_in_the_picture_is_what_was_asked_for(dot_renderer: Renderer, seed: int) -> None:
+def test_the_ipd_in_the_picture_is_what_was_asked_for(dot_renderer: Studio, seed: int) -> None:
     points = stand_in(seed).landmarks
     result = dot_renderer.render(dots(points), lighting=CLOUDY, ipd_px=8)
     eyes = centroids(1 - result.image[1].numpy(), result.landmarks_px.numpy()[:2], reach=3)
@@ -67,7 +74,7 @@ def test_the_ipd_in_the_picture_is_what_was_asked_for(dot_renderer: Renderer, se
 
 @pytest.mark.parametrize("pose", [*POSES.values(), FAR], ids=lambda pose: pose.name)
 def test_landmarks_stay_well_inside_the_frame(pose: Pose, monkeypatch: pytest.MonkeyPatch) -> None:
-    quick = Renderer()
+    quick = Studio()
     monkeypatch.setattr(quick._stage, "show", lambda *_: None)
     monkeypatch.setattr(quick, "_path", lambda: None)
     monkeypatch.setattr(module, "expose", lambda *_, **__: np.zeros((32, 32, 3), np.float32))
@@ -78,9 +85,9 @@ def test_landmarks_stay_well_inside_the_frame(pose: Pose, monkeypatch: pytest.Mo
 
 
 @pytest.fixture(scope="module")
-def sphere_renderer() -> Renderer:
+def sphere_renderer() -> Studio:
     """Return a renderer of its own for the sphere, whose scene is loaded once."""
-    return Renderer()
+    return Studio()
 
 
 def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], dict[str, str]]:
@@ -90,7 +97,7 @@ def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], 
 
 @pytest.mark.parametrize("name", LIGHTINGS)
 def test_the_meter_reads_what_a_grey_sphere_sends(
-    name: str, monkeypatch: pytest.MonkeyPatch, sphere_renderer: Renderer
+    name: str, monkeypatch: pytest.MonkeyPatch, sphere_renderer: Studio
 ) -> None:
     monkeypatch.setattr(stage, "bsdf", lambert)
     radius, distance = 60.0, 1e4
@@ -111,7 +118,7 @@ def test_the_meter_reads_what_a_grey_sphere_sends(
     assert sphere / 0.18 == pytest.approx(result.metered, rel=0.01)
 
 
-def test_what_a_radiance_says(renderer: Renderer, head: Head) -> None:
+def test_what_a_radiance_says(renderer: Studio, head: Head) -> None:
     result = renderer.render(
         head, pose="up", lighting="below", ipd_px=4.2, scale=2, samples_per_pixel=64, seed=5
     )
@@ -120,29 +127,31 @@ def test_what_a_radiance_says(renderer: Renderer, head: Head) -> None:
     assert result.landmarks_px.shape == (5, 2)
     assert result.landmarks_px.dtype == torch.float32
     assert result.metered == environment(LIGHTINGS["below"])[1]
-    assert (result.ipd_px, result.scale, result.seed) == (4.2, 2, 5)
-    assert (result.identity_id, result.pose, result.lighting) == ("stand-in-0", "up", "below")
+    assert (result.ipd_px, result.scale, result.traits) == (4.2, 2, None)
+    assert (result.edges_nm, result.metered_bands) == (None, None)
 
 
-def test_the_same_request_is_the_same_bytes_whoever_came_before(renderer: Renderer) -> None:
+def test_the_same_request_is_the_same_bytes_whoever_came_before(renderer: Studio) -> None:
     ask = {"pose": "down", "lighting": "side", "ipd_px": 4, "samples_per_pixel": 64}
     first = renderer.render(stand_in(1), **ask)
     renderer.render(stand_in(2), pose="left", ipd_px=4, samples_per_pixel=16)
     assert renderer.render(stand_in(1), **ask).image.equal(first.image)
 
 
-def test_another_seed_is_other_noise_about_the_same_light(renderer: Renderer, head: Head) -> None:
+def test_another_seed_is_other_noise_about_the_same_light(renderer: Studio, head: Head) -> None:
     a, b = (renderer.render(head, ipd_px=4, samples_per_pixel=256, seed=s).image for s in (0, 1))
     assert not a.equal(b)
     assert float(a.mean()) == pytest.approx(float(b.mean()), rel=2e-3)
 
 
-@pytest.mark.parametrize(("scale", "samples"), [(1, 2048), (2, 512), (4, 128), (16, 16)])
-def test_every_scale_has_the_same_rays(
-    scale: int, samples: int, head: Head, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("scale", "rays", "samples"), [(1, 2048, 2048), (2, 2048, 512), (4, 2048, 128), (4, 64, 16)]
+)
+def test_every_scale_has_the_same_rays_and_no_pixel_fewer_than_16(
+    scale: int, rays: int, samples: int, head: Head, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = {}
-    quick = Renderer()
+    quick = Studio()
     monkeypatch.setattr(quick._stage, "show", lambda *_: None)
     monkeypatch.setattr(quick, "_path", lambda: None)
 
@@ -151,12 +160,12 @@ def test_every_scale_has_the_same_rays(
         return np.zeros((1, 1, 3), np.float32)
 
     monkeypatch.setattr(module, "expose", record)
-    quick.render(head, scale=scale)
+    quick.render(head, scale=scale, samples_per_pixel=rays)
     assert (asked["scale"], asked["samples"]) == (scale, samples)
 
 
 @pytest.mark.parametrize("lighting", ["frontal", "side"])
-def test_2048_samples_leave_no_fireflies(renderer: Renderer, lighting: str) -> None:
+def test_2048_samples_leave_no_fireflies(renderer: Studio, lighting: str) -> None:
     a, b = (renderer.render(stand_in(1), lighting=lighting, ipd_px=6, seed=s) for s in (0, 1))
     shown = [255 * linear_to_srgb(picture.image / picture.metered) for picture in (a, b)]
     difference = (shown[0] - shown[1]).abs() / 2**0.5
@@ -164,7 +173,7 @@ def test_2048_samples_leave_no_fireflies(renderer: Renderer, lighting: str) -> N
     assert float(difference.max()) < 4
 
 
-def test_heads_poses_lights_and_seeds_compile_nothing_new(renderer: Renderer) -> None:
+def test_heads_poses_lights_and_seeds_compile_nothing_new(renderer: Studio) -> None:
     import drjit as dr
 
     ask = {"ipd_px": 4, "samples_per_pixel": 64}
@@ -182,7 +191,7 @@ def test_heads_poses_lights_and_seeds_compile_nothing_new(renderer: Renderer) ->
     assert [entry["hash"] for entry in history if not entry["cache_hit"]] == []
 
 
-def test_the_slow_variant_renders_the_same(renderer: Renderer, tmp_path: Path) -> None:
+def test_the_slow_variant_renders_the_same(renderer: Studio, tmp_path: Path) -> None:
     ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16}
     fast = renderer.render(stand_in(0), **{**ask, "samples_per_pixel": 1024}).image
     code = (
@@ -200,7 +209,7 @@ def test_the_slow_variant_renders_the_same(renderer: Renderer, tmp_path: Path) -
     assert float((slow - fast).abs().mean()) < 0.03
 
 
-def test_a_pixel_that_is_no_number_names_who_and_how(renderer: Renderer, head: Head) -> None:
+def test_a_pixel_that_is_no_number_names_who_and_how(renderer: Studio, head: Head) -> None:
     skin = head.parts[0]
     broken = replace(skin, albedo=np.full_like(skin.albedo, np.nan))
     ghost = replace(head, identity_id="ghost", parts=(broken, *head.parts[1:]))
@@ -208,29 +217,52 @@ def test_a_pixel_that_is_no_number_names_who_and_how(renderer: Renderer, head: H
         renderer.render(ghost, pose="up", lighting="side", ipd_px=4, samples_per_pixel=16)
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"ipd_px": 0}, {"scale": 0}, {"samples_per_pixel": 0}, {"seed": -1}, {"camera_m": -1}]
-)
-def test_numbers_out_of_range_are_refused(renderer: Renderer, head: Head, wrong: dict) -> None:
+@pytest.mark.parametrize("wrong", [{"samples_per_pixel": 0}, {"seed": -1}, {"camera_m": -1}])
+def test_numbers_out_of_range_are_refused(renderer: Studio, head: Head, wrong: dict) -> None:
     with pytest.raises(InputError, match="give"):
         renderer.render(head, **wrong)
 
 
-def test_an_unknown_skin_or_a_depth_without_light_is_refused() -> None:
-    with pytest.raises(InputError, match="skin 'wax' does not exist; choose one of reflective"):
-        Renderer("wax")
-    with pytest.raises(InputError, match="max_depth=1"):
-        Renderer(max_depth=1)
+def test_a_depth_without_light_is_refused(head: Head) -> None:
+    with pytest.raises(InputError, match=r"rendering\.max_depth=1: wanted 2 to"):
+        render(head, max_depth=1)
+
+
+@pytest.mark.parametrize("group", ["pose", "lighting", "lens", "standpoint", "skin"])
+def test_a_name_that_does_not_exist_is_refused_before_any_work(head: Head, group: str) -> None:
+    with pytest.raises(InputError, match=f"{group}=wax: there is none"):
+        render(head, **{group: "wax"})
+
+
+def test_names_are_turned_into_the_values_of_their_files(
+    head: Head, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[object, ...]] = []
+
+    class Recorder:
+        def render(self, *values: object, **more: object) -> None:
+            asked.append((*values, more))
+
+    monkeypatch.setattr(module, "_shared_renderer", lambda *key: asked.append(key) or Recorder())
+    named = {"pose": "left", "lighting": "room_blue", "lens": "single", "standpoint": "scface_far"}
+    render(head, **named, skin="tone", ipd_px=9, scale=2, samples_per_pixel=32, seed=3)
+    assert asked == [
+        (SKINS["subsurface_tone"], 5),
+        (head, scene(**named), Film(9.0, 2), {"samples_per_pixel": 32, "seed": 3}),
+    ]
 
 
 def test_the_module_renders_with_one_shared_renderer(
-    head: Head, renderer: Renderer, monkeypatch: pytest.MonkeyPatch
+    head: Head, renderer: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert shared_renderer() is shared_renderer()
-    monkeypatch.setattr(module, "shared_renderer", lambda: renderer)
+    shared = module._shared_renderer
+    assert shared(REFLECTIVE, 5) is shared(REFLECTIVE, 5)
+    assert shared(REFLECTIVE, 5) is not shared(REFLECTIVE, 6)
+    plain = Renderer.render
+    monkeypatch.setattr(
+        module, "_shared_renderer", lambda *_: SimpleNamespace(render=partial(plain, renderer))
+    )
     assert render(head, ipd_px=4, samples_per_pixel=16).image.shape == (3, 16, 16)
-    with pytest.raises(InputError, match="pose 'sideways'"):
-        render(head, pose="sideways")
     skin = replace(head.parts[0], albedo=np.full_like(head.parts[0].albedo, np.nan))
     ghost = replace(head, parts=(skin, *head.parts[1:]))
     with pytest.raises(NonFiniteError, match="stand-in-0"):

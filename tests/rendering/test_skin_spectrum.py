@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lrsr.rendering.bands import srgb_curves
 from lrsr.rendering.skin_spectrum import skin_curves, skins
+from lrsr.spectra import srgb_curves
 
 SKIN = np.array([0.45, 0.28, 0.2])
 

@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fakes.scenes import Studio
 from oracles.heads import ball, dots, ellipsoid_part, stand_in
 
-from lrsr.errors import InputError
 from lrsr.identities.head import Head, Part
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.scene import Light, Lighting, Pose
-from lrsr.rendering.stage import Stage, topology, vertex_normals, world_to_head
+from lrsr.rendering.lighting import Lighting
+from lrsr.rendering.lights import Light
+from lrsr.rendering.pose import Pose
+from lrsr.rendering.stage import topology, vertex_normals, world_to_head
 
 CLOUDY = Lighting("cloudy", (), fill_share=1.0)
 SETTINGS = {"ipd_px": 4.0, "samples_per_pixel": 16}
@@ -46,28 +47,28 @@ def wall(height: np.ndarray, slopes: tuple[float, float], mirrored: bool) -> Hea
     return replace(stand_in(0, ipd_mm=63.0), parts=(skin,))
 
 
-def test_the_top_row_of_a_texture_is_at_v_0(renderer: Renderer) -> None:
+def test_the_top_row_of_a_texture_is_at_v_0(renderer: Studio) -> None:
     image = renderer.render(two_colours(), lighting=CLOUDY, ipd_px=8, samples_per_pixel=64).image
     upper, lower = image[:, 9, 16], image[:, 23, 16]
     assert upper[0] > 4 * upper[1]
     assert lower[1] > 4 * lower[0]
 
 
-def test_a_new_texture_replaces_the_old_in_place(renderer: Renderer) -> None:
+def test_a_new_texture_replaces_the_old_in_place(renderer: Studio) -> None:
     dark, fair = stand_in(0, ipd_mm=63, grey=0.05), stand_in(0, ipd_mm=63, grey=0.6)
     darker = renderer.render(dark, **SETTINGS).image[:, 8, 8]
     fairer = renderer.render(fair, **SETTINGS).image[:, 8, 8]
     assert (fairer > 3 * darker).all()
 
 
-def test_an_updated_scene_gives_the_bytes_of_a_fresh_one(renderer: Renderer) -> None:
+def test_an_updated_scene_gives_the_bytes_of_a_fresh_one(renderer: Studio) -> None:
     renderer.render(stand_in(1), pose="up", lighting="side", **SETTINGS)
     updated = renderer.render(stand_in(2), pose="left", lighting="above", **SETTINGS)
-    fresh = Renderer().render(stand_in(2), pose="left", lighting="above", **SETTINGS)
+    fresh = Studio().render(stand_in(2), pose="left", lighting="above", **SETTINGS)
     assert updated.image.equal(fresh.image)
 
 
-def test_another_topology_reloads_the_scene(renderer: Renderer) -> None:
+def test_another_topology_reloads_the_scene(renderer: Studio) -> None:
     first = renderer.render(stand_in(0), **SETTINGS)
     renderer.render(dots(stand_in(0).landmarks), **SETTINGS)
     again = renderer.render(stand_in(0), **SETTINGS)
@@ -104,7 +105,7 @@ def test_a_slope_of_heights_in_mm_is_lit_as_a_slope_of_the_mesh(axis: int, mirro
     level = np.zeros((64, 64))
     painted = wall(rise[:, ::-1] if mirrored else rise, (0.0, 0.0), mirrored)
     leaning = wall(level, (0.3, 0.0) if axis == 0 else (0.0, -0.3), mirrored)
-    stage_of_its_own = Renderer()
+    stage_of_its_own = Studio()
     seen, wanted, flat = (
         float(stage_of_its_own.render(head, lighting=light, **SETTINGS).image.mean())
         for head in (painted, leaning, wall(level, (0.0, 0.0), mirrored))
@@ -113,10 +114,10 @@ def test_a_slope_of_heights_in_mm_is_lit_as_a_slope_of_the_mesh(axis: int, mirro
     assert seen == pytest.approx(wanted, rel=0.03)
 
 
-def test_new_maps_replace_the_old_in_place(renderer: Renderer) -> None:
+def test_new_maps_replace_the_old_in_place(renderer: Studio) -> None:
     renderer.render(with_maps(stand_in(1), 0.0), **SETTINGS)
     updated = renderer.render(with_maps(stand_in(2), 1.0), **SETTINGS)
-    fresh = Renderer().render(with_maps(stand_in(2), 1.0), **SETTINGS)
+    fresh = Studio().render(with_maps(stand_in(2), 1.0), **SETTINGS)
     assert updated.image.equal(fresh.image)
     assert not updated.image.equal(renderer.render(with_maps(stand_in(2), 0.0), **SETTINGS).image)
 
@@ -139,8 +140,3 @@ def test_the_camera_goes_back_where_the_head_came_from() -> None:
     points = np.random.default_rng(0).uniform(-100, 100, (10, 3))
     homogeneous = np.concatenate([pose.turn(points), np.ones((10, 1))], axis=1)
     np.testing.assert_allclose((homogeneous @ world_to_head(pose).T)[:, :3], points, atol=1e-9)
-
-
-def test_a_stage_refuses_an_unknown_skin() -> None:
-    with pytest.raises(InputError, match="skin 'wax'"):
-        Stage("wax")

@@ -1,21 +1,19 @@
 """Cameras above the door: heights, distances, the IPD and where landmarks fall."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
+from fakes.scenes import STANDPOINTS, Studio
 from oracles.heads import dots, stand_in
 
 from lrsr.errors import InputError
-from lrsr.paths import config_folder
+from lrsr.presets import preset
 from lrsr.rendering.geometry import Viewpoint, place_camera
-from lrsr.rendering.lens import find_lens
+from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.pose import Pose
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.scene import Lighting
-from lrsr.rendering.standpoint import STANDPOINTS, Standpoint, find_standpoint
+from lrsr.rendering.standpoint import Standpoint
 
 CLOUDY = Lighting("cloudy", (), fill_share=1.0)
 PUPILS = np.array([[-31.5, 0.0, 0.0], [31.5, 0.0, 0.0]])
@@ -68,15 +66,15 @@ def test_projection_is_that_of_rotated_points() -> None:
 
 
 @pytest.fixture(scope="module")
-def dot_renderer() -> Renderer:
+def dot_renderer() -> Studio:
     """Return a renderer of its own for the dots, whose scene is loaded once."""
-    return Renderer()
+    return Studio()
 
 
 @pytest.mark.parametrize("f_number", [None, 8.0], ids=["pinhole", "double gauss"])
 @pytest.mark.parametrize("pose", ["frontal", "left"])
 def test_landmarks_are_where_the_picture_shows_them(
-    dot_renderer: Renderer, pose: str, f_number: float | None
+    dot_renderer: Studio, pose: str, f_number: float | None
 ) -> None:
     result = dot_renderer.render(
         dots(stand_in(3).landmarks),
@@ -86,7 +84,7 @@ def test_landmarks_are_where_the_picture_shows_them(
         scale=4,
         samples_per_pixel=1024,
         standpoint="scface_near",
-        lens=find_lens("double_gauss", f_number=f_number) if f_number else "pinhole",
+        lens=preset("lens", "double_gauss", f_number=f_number) if f_number else "pinhole",
     )
     darkness = 1 - result.image[1].numpy() / result.image[1].numpy().max()
     for x, y in result.landmarks_px.numpy():
@@ -96,9 +94,9 @@ def test_landmarks_are_where_the_picture_shows_them(
         assert seen == pytest.approx([y - row, x - column], abs=0.15)
 
 
-def test_a_pose_turns_the_high_camera_around_the_head(dot_renderer: Renderer) -> None:
+def test_a_pose_turns_the_high_camera_around_the_head(dot_renderer: Studio) -> None:
     """A chin lifted by the camera's elevation shows the camera the face from the front."""
-    place = find_standpoint("scface_near")
+    place = STANDPOINTS["scface_near"]
     lifted = Pose("lifted", pitch_deg=math.degrees(math.atan2(place.above_m, 1.0)))
     points = stand_in(3).landmarks
     ask = {"lighting": CLOUDY, "ipd_px": 16.0, "samples_per_pixel": 64}
@@ -108,32 +106,27 @@ def test_a_pose_turns_the_high_camera_around_the_head(dot_renderer: Renderer) ->
     np.testing.assert_allclose(shape[0], shape[1], atol=0.5)
 
 
-@pytest.mark.parametrize("name", STANDPOINTS)
-def test_the_configuration_offers_exactly_the_table(name: str) -> None:
-    folder = config_folder() / "standpoint"
-    assert {path.stem for path in folder.glob("*.yaml")} == set(STANDPOINTS)
-    assert instantiate(OmegaConf.load(folder / f"{name}.yaml")) == STANDPOINTS[name]
-
-
 def test_names_do_not_matter_to_what_is_recorded() -> None:
     assert Standpoint("a", 4.2, 2.25).record() == STANDPOINTS["scface_far"].record()
-    assert find_standpoint("scface_far", height_m=2.5).record() != Standpoint("a", 4.2).record()
-
-
-def test_an_unknown_standpoint_names_the_known() -> None:
-    with pytest.raises(InputError, match="standpoint 'roof' does not exist; choose one of level"):
-        find_standpoint("roof")
+    higher = replace(STANDPOINTS["scface_far"], height_m=2.5)
+    assert higher.record() != Standpoint("a", 4.2, 2.25).record()
 
 
 @pytest.mark.parametrize(
-    "broken", [{"distance_m": 0.0}, {"height_m": math.inf}, {"eye_height_m": math.nan}]
+    ("broken", "message"),
+    [
+        ({"distance_m": 0.0}, r"standpoint\.distance_m=0: wanted a distance > 0"),
+        ({"height_m": math.inf}, r"standpoint\.height_m=inf: wanted a number"),
+        ({"eye_height_m": math.nan}, r"standpoint\.eye_height_m=nan: wanted a number"),
+    ],
+    ids=["distance", "height", "eyes"],
 )
-def test_a_standpoint_refuses_what_cannot_be(broken: dict) -> None:
-    with pytest.raises(InputError, match=r"standpoint 'bad': .*give a distance > 0"):
+def test_a_standpoint_refuses_what_cannot_be(broken: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         Standpoint("bad", **broken)
 
 
-def test_a_camera_cannot_be_higher_than_it_is_far(dot_renderer: Renderer) -> None:
+def test_a_camera_cannot_be_higher_than_it_is_far(dot_renderer: Studio) -> None:
     ask = {"ipd_px": 64.0, "standpoint": Standpoint("tower", height_m=30.0)}
     with pytest.raises(InputError, match=r"'tower': a camera 28\.4 m above the eyes cannot be 1"):
         dot_renderer.render(dots(stand_in(0).landmarks), **ask)

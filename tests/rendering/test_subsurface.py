@@ -4,10 +4,12 @@ import logging
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fakes.scenes import LIGHTINGS, POSES, SKINS, Studio
 from oracles.heads import dots, stand_in
 from oracles.translucent import mean_of_ball
 
@@ -15,20 +17,17 @@ from lrsr.images import linear_to_srgb
 from lrsr.rendering import stage
 from lrsr.rendering.diffusion import diffuse_albedo
 from lrsr.rendering.painted_skin import Sampling
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.scene import LIGHTINGS, POSES
-from lrsr.rendering.skin import Skin, find_skin
 
 SKIN1 = (0.74 / 0.772, 0.88 / 1.05, 1.01 / 1.49)
 
 
 @pytest.fixture(scope="module")
-def translucent(renderer: Renderer) -> Renderer:
+def translucent(renderer: Studio) -> Studio:
     """Return one renderer of translucent skin; the fixture it asks for has chosen the variant."""
-    return Renderer("subsurface")
+    return Studio("subsurface")
 
 
-def test_a_white_furnace_stays_white(renderer: Renderer) -> None:
+def test_a_white_furnace_stays_white(renderer: Studio) -> None:
     """Nothing is absorbed at an albedo of 1, however light splits between surface and inside."""
     mean, error = mean_of_ball(1.0, samples=512)
     np.testing.assert_allclose(mean, 1.0, atol=0.002)
@@ -40,12 +39,12 @@ def test_a_white_furnace_stays_white(renderer: Renderer) -> None:
     [
         {"sampling": Sampling(normal_share=0.6)},
         {"sampling": Sampling(least_lobe_share=0.35)},
-        {"skin": Skin(reach_mm=6.0)},
-        {"skin": Skin(reach_mm=20.0)},
+        {"skin": replace(SKINS["subsurface"], reach_mm=6.0)},
+        {"skin": replace(SKINS["subsurface"], reach_mm=20.0)},
     ],
     ids=["axis weights", "lobe probability", "short probes", "long probes"],
 )
-def test_no_choice_of_sampling_moves_the_mean(renderer: Renderer, other: dict) -> None:
+def test_no_choice_of_sampling_moves_the_mean(renderer: Studio, other: dict) -> None:
     """On a ball so large that where the profile is cut does not matter either."""
     usual, error = mean_of_ball((0.6, 0.3, 0.1), radius_mm=3000.0)
     changed, other_error = mean_of_ball((0.6, 0.3, 0.1), radius_mm=3000.0, **other)
@@ -60,21 +59,21 @@ errors of 0.0005 and less."""
 
 
 @pytest.mark.parametrize("radius_mm", BRUTE_FORCE)
-def test_a_sphere_is_as_bright_as_brute_force_says(renderer: Renderer, radius_mm: float) -> None:
+def test_a_sphere_is_as_bright_as_brute_force_says(renderer: Studio, radius_mm: float) -> None:
     smooth = 1 - 0.0768  # what of diffuse light enters
     albedo = [smooth * diffuse_albedo(scattering) for scattering in SKIN1]
     mean, _ = mean_of_ball(albedo, radius_mm=radius_mm, roughness=0.04)
     np.testing.assert_allclose(mean, BRUTE_FORCE[radius_mm], rtol=0.02)
 
 
-def test_the_same_request_is_the_same_bytes_whoever_came_before(translucent: Renderer) -> None:
+def test_the_same_request_is_the_same_bytes_whoever_came_before(translucent: Studio) -> None:
     ask = {"pose": "down", "lighting": "side", "ipd_px": 4, "samples_per_pixel": 64}
     first = translucent.render(stand_in(1), **ask)
     translucent.render(stand_in(2), pose="left", ipd_px=4, samples_per_pixel=16)
     assert translucent.render(stand_in(1), **ask).image.equal(first.image)
 
 
-def test_skin_is_as_bright_as_reflective_skin(renderer: Renderer, translucent: Renderer) -> None:
+def test_skin_is_as_bright_as_reflective_skin(renderer: Studio, translucent: Studio) -> None:
     """The albedo texture means the same in both: within 4 %, curvature and index included."""
     ask = {"lighting": "side", "ipd_px": 6, "samples_per_pixel": 512}
     one = renderer.render(stand_in(1, grey=0.4), **ask).image.mean(dim=(1, 2))
@@ -85,7 +84,7 @@ def test_skin_is_as_bright_as_reflective_skin(renderer: Renderer, translucent: R
 def test_what_spreads_farther_reaches_deeper_into_the_shadow() -> None:
     """Grey skin whose red light goes far and whose blue light stays: red past the terminator."""
     coefficients = {"absorption_per_mm": (0, 0, 0), "scattering_per_mm": (0.2, 1, 5)}
-    translucent = Renderer(find_skin("subsurface", reach_mm=40, **coefficients))
+    translucent = Studio(replace(SKINS["subsurface"], reach_mm=40, **coefficients))
     image = translucent.render(
         stand_in(1, ipd_mm=63, grey=0.5), lighting="side", ipd_px=8, samples_per_pixel=512
     ).image.numpy()
@@ -94,7 +93,7 @@ def test_what_spreads_farther_reaches_deeper_into_the_shadow() -> None:
 
 
 @pytest.mark.parametrize("lighting", ["frontal", "side"])
-def test_2048_samples_leave_no_fireflies(translucent: Renderer, lighting: str) -> None:
+def test_2048_samples_leave_no_fireflies(translucent: Studio, lighting: str) -> None:
     a, b = (translucent.render(stand_in(1), lighting=lighting, ipd_px=6, seed=s) for s in (0, 1))
     shown = [255 * linear_to_srgb(picture.image / picture.metered) for picture in (a, b)]
     difference = (shown[0] - shown[1]).abs() / 2**0.5
@@ -102,7 +101,7 @@ def test_2048_samples_leave_no_fireflies(translucent: Renderer, lighting: str) -
     assert float(difference.max()) < 4
 
 
-def test_heads_poses_lights_and_seeds_compile_nothing_new(translucent: Renderer) -> None:
+def test_heads_poses_lights_and_seeds_compile_nothing_new(translucent: Studio) -> None:
     import drjit as dr
 
     ask = {"ipd_px": 4, "samples_per_pixel": 64}
@@ -120,9 +119,9 @@ def test_heads_poses_lights_and_seeds_compile_nothing_new(translucent: Renderer)
     assert [entry["hash"] for entry in history if not entry["cache_hit"]] == []
 
 
-def test_a_head_without_skin_is_traced_as_ever(translucent: Renderer) -> None:
+def test_a_head_without_skin_is_traced_as_ever(translucent: Studio) -> None:
     image = (
-        Renderer("subsurface")
+        Studio("subsurface")
         .render(dots(stand_in(0).landmarks), ipd_px=4, samples_per_pixel=16)
         .image
     )
@@ -130,7 +129,7 @@ def test_a_head_without_skin_is_traced_as_ever(translucent: Renderer) -> None:
 
 
 def test_without_a_compiler_skin_is_reflective_and_that_is_said_once(
-    renderer: Renderer, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    renderer: Studio, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     class Scalar:
         @staticmethod
@@ -140,12 +139,12 @@ def test_without_a_compiler_skin_is_reflective_and_that_is_said_once(
     stage._warn_of_scalar.cache_clear()
     monkeypatch.setattr(stage, "start", lambda: Scalar)
     with caplog.at_level(logging.WARNING, logger=stage.__name__):
-        assert [stage.Stage("subsurface")._model() for _ in range(3)] == ["reflective"] * 3
+        assert [stage.Stage(SKINS["subsurface"])._model() for _ in range(3)] == ["reflective"] * 3
     assert len(caplog.messages) == 1
     assert "reflective instead" in caplog.text
 
 
-def test_a_spectral_variant_sees_the_same_grey(renderer: Renderer, tmp_path: Path) -> None:
+def test_a_spectral_variant_sees_the_same_grey(renderer: Studio, tmp_path: Path) -> None:
     """Another variant needs a process of its own."""
     code = (
         "from lrsr.rendering.backend import start; mi = start();"

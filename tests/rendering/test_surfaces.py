@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from fakes.scenes import LENSES
 
 from lrsr.errors import InputError
 from lrsr.rendering.glass import C_LINE_NM, F_LINE_NM, abbe_number, refractive_index
-from lrsr.rendering.prescriptions import DOUBLE_GAUSS, biconvex
+from lrsr.rendering.lens import biconvex
 from lrsr.rendering.surfaces import (
     Surface,
     entrance_pupil,
@@ -22,6 +23,8 @@ from lrsr.rendering.surfaces import (
 
 THIN_MM = 1e-4
 N_BK7 = 1.51680
+
+DOUBLE_GAUSS = LENSES["double_gauss"].surfaces
 
 
 def singlet(q: float, focal_mm: float = 100.0, glass: str = "N-BK7") -> tuple[Surface, ...]:
@@ -87,7 +90,10 @@ def test_the_published_back_focus_of_the_double_gauss_is_met() -> None:
 
 def test_images_obey_newtons_equation() -> None:
     front_focus_mm = image_of(reversed_surfaces(DOUBLE_GAUSS), math.inf)[0]
-    back_focus_mm, focal = image_of(DOUBLE_GAUSS, math.inf)[0], focal_length_mm(DOUBLE_GAUSS)
+    back_focus_mm, focal = (
+        image_of(DOUBLE_GAUSS, math.inf)[0],
+        focal_length_mm(DOUBLE_GAUSS),
+    )
     image_mm, magnification = image_of(DOUBLE_GAUSS, 1234.0)
     beyond = 1234.0 - front_focus_mm
     assert beyond * (image_mm - back_focus_mm) == pytest.approx(focal**2, rel=1e-9)
@@ -112,7 +118,12 @@ def test_spherical_aberration_of_a_thin_lens_is_the_textbooks(q: float) -> None:
 
 @pytest.mark.parametrize(
     "surfaces",
-    [DOUBLE_GAUSS, biconvex(100.0, 8.0, 20.0, "N-BK7"), singlet(1.0), singlet(-1.0)],
+    [
+        DOUBLE_GAUSS,
+        biconvex(100.0, 8.0, 20.0, "N-BK7"),
+        singlet(1.0),
+        singlet(-1.0),
+    ],
     ids=["double gauss", "biconvex", "convex first", "plane first"],
 )
 def test_small_apertures_have_seidels_aberration(surfaces: tuple[Surface, ...]) -> None:

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
+from fakes.scenes import SKINS, Studio
 from oracles.heads import stand_in
 
-from lrsr.rendering.renderer import Renderer
-from lrsr.rendering.skin import SKINS
 from lrsr.rendering.volume import FROM_OUTSIDE, medium_numbers
 
 
@@ -33,7 +32,7 @@ def test_a_smooth_boundary_reflects_7_68_percent_of_diffuse_light() -> None:
 
 def test_a_darker_head_is_darker_in_the_same_scene() -> None:
     """As its albedo says, within the noise of brute force."""
-    brute = Renderer("volumetric_tone")
+    brute = Studio("volumetric_tone")
     ask = {"ipd_px": 4, "samples_per_pixel": 64}
     fair, dark = (brute.render(stand_in(0, grey=grey), **ask).image for grey in (0.4, 0.1))
     face = (slice(None), slice(6, 10), slice(6, 10))

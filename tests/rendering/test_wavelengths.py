@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lrsr.rendering.bands import photometric_unit
+from lrsr.spectra import photometric_unit
 
 Seen = dict[str, np.ndarray]
 

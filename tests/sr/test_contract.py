@@ -18,7 +18,7 @@ def test_a_contract_says_what_the_network_takes(somebodys: Callable[..., Path]) 
     told = read_contract(model, {})
     assert (told.channels, told.white, told.scale, told.enlarged) == ("BGR", 255.0, 2, False)
     assert (told.multiple_of, told.lr_made_by) == (1, "")
-    assert told.takes == ((None, None, None, 3), "float NHWC of BGR")
+    assert told.shape == (None, None, None, 3)
     assert told.sha256 == sha256_of(model)
 
 

@@ -131,12 +131,10 @@ def test_2x2_is_2x_taken_twice(faces: torch.Tensor, weights_file: Callable[..., 
 
 
 def test_batches_change_nothing(faces: torch.Tensor, weights_file: Callable[..., Path]) -> None:
-    network, card = read_weights(weights_file(2))
-    for make in (
-        lambda size: Bicubic(4, batch_size=size),
-        lambda size: Repeated(Luminance(network, card, batch_size=size), 2),
-    ):
-        torch.testing.assert_close(make(32)(faces), make(1)(faces), rtol=0, atol=1e-6)
+    for upscaler in (Bicubic(4), load_upscaler(weights_file(2))):
+        together = upscaler(faces)
+        upscaler.batch_size = 1
+        torch.testing.assert_close(upscaler(faces), together, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -274,9 +272,9 @@ def test_an_odd_scale_is_refused(scale: int) -> None:
 
 
 def test_a_network_in_the_wrong_wrapper_is_refused() -> None:
-    with pytest.raises(InputError, match="srcnn takes luminance, wanted rgb"):
+    with pytest.raises(InputError, match="srcnn takes luminance"):
         Rgb(SRCNN(), SRCNN_CARD)
-    with pytest.raises(InputError, match="edsr takes rgb, wanted luminance"):
+    with pytest.raises(InputError, match="edsr takes rgb"):
         Luminance(EDSR(), EDSR_CARD)
 
 
@@ -395,7 +393,7 @@ def test_somebodys_network_says_where_it_comes_from(somebodys: Callable[..., Pat
 def test_a_contract_of_another_scale_is_caught(
     somebodys: Callable[..., Path], faces: torch.Tensor
 ) -> None:
-    with pytest.raises(InputError, match=r"theirs: got \(20, 16\) pixels of \(10, 8\), wanted"):
+    with pytest.raises(InputError, match=r"got \(20, 16\) pixels of \(10, 8\), wanted"):
         load_upscaler(somebodys(scale=4))(faces)
 
 

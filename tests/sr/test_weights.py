@@ -109,7 +109,7 @@ def test_missing_file_is_refused(tmp_path: Path) -> None:
         pytest.param(HEADER | {"architecture": "SRCNN 9-5-5"}, "9-5-5", id="another network"),
         pytest.param(HEADER | {"enlarged_by": "lanczos"}, "lanczos", id="another kernel"),
         pytest.param(HEADER | {"enlarged_by": ""}, "makes 6x7 pixels of 6x7", id="another scale"),
-        pytest.param(HEADER | {"input": "rgb"}, "srcnn takes luminance", id="another input"),
+        pytest.param(HEADER | {"input": "rgb"}, "input=rgb: wanted what srcnn takes", id="input"),
         pytest.param(HEADER | {"arguments": "{"}, "card cannot be read", id="no JSON"),
         pytest.param(HEADER | {"arguments": "[1]"}, "names and values", id="a list"),
         pytest.param(HEADER | {"arguments": '{"depth": 3}'}, "depth", id="unknown argument"),

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from lrsr.experiments.report.figures import DPI, STYLE, png_bytes
 from lrsr.identities.person import TONES, Traits
 from lrsr.identities.population import ANCESTRIES
+from lrsr.pages import DPI, STYLE, png_bytes
 
 DECADES = (18, 30, 40, 50, 60, 70, 81)
 """Ages are counted from one to the next, the last not included."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,35 +9,15 @@ from typing import Any
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.image import imsave
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
-from lrsr.errors import ImageContractError
 from lrsr.evaluation.roc import RocCurve, band
+from lrsr.pages import COLOURS, DPI, STYLE, data_uri, png_bytes
 
-DPI = 200
-COLOURS = ("#000000", "#56B4E9", "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC79A7", "#999999")
-"""Okabe and Ito's palette, told apart with any kind of colour vision."""
 DASHES = ("-", (0, (1, 1)), "-", (0, (4, 1)), (0, (4, 1, 1, 1)), "-", (0, (2, 1)), (0, (6, 2)))
 """A second way to tell lines apart, for grey print."""
-
-STYLE = {
-    "font.family": "sans-serif",
-    "font.size": 8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.6,
-    "axes.titlesize": 8.5,
-    "axes.titlelocation": "left",
-    "grid.linewidth": 0.4,
-    "grid.color": "#dddddd",
-    "lines.linewidth": 1.3,
-    "legend.frameon": False,
-    "figure.facecolor": "white",
-}
 
 
 @dataclass(frozen=True)
@@ -141,29 +119,6 @@ def draw_angles(angles_deg: ArrayLike, smallest_angle_deg: float, encoder: str) 
         return png_bytes(figure)
 
 
-def encode_face(srgb: ArrayLike) -> str:
-    """Encode one image as it is, pixel for pixel.
-
-    Args:
-        srgb: ``(3, H, W)`` srgb, [0, 1]; what lies outside is clipped, for the picture only.
-
-    Returns:
-        A PNG as a data URI.
-
-    Raises:
-        ImageContractError: Not ``(3, H, W)``, or a NaN.
-    """
-    image = np.asarray(srgb, dtype=np.float64)
-    if image.ndim != 3 or image.shape[0] != 3 or image.size == 0:
-        raise ImageContractError(f"got shape {image.shape}, wanted (3, H, W)")
-    if np.isnan(image).any():
-        raise ImageContractError("the image holds a NaN; wanted srgb in [0, 1]")
-    levels = np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8)
-    buffer = io.BytesIO()
-    imsave(buffer, np.ascontiguousarray(levels.transpose(1, 2, 0)), format="png")
-    return data_uri(buffer.getvalue())
-
-
 def _draw_curve(axes: Axes, curve: RocCurve, label: str, number: int, level: float) -> None:
     colour, dashes = COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
     limits = band(curve, level)
@@ -173,18 +128,6 @@ def _draw_curve(axes: Axes, curve: RocCurve, label: str, number: int, level: flo
     axes.fill_between(fmr, low, high, color=colour, alpha=0.10, linewidth=0, zorder=2)
     line: dict[str, Any] = {"color": colour, "linestyle": dashes, "zorder": 3 + number}
     axes.plot(curve.fmr, curve.tmr, label=label, **line)
-
-
-def png_bytes(figure: Figure) -> bytes:
-    """Return a figure as a PNG; the same figure gives the same bytes."""
-    buffer = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})
-    return buffer.getvalue()
-
-
-def data_uri(png: bytes) -> str:
-    """Return a PNG as a data URI, to be put into a page."""
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
 
 
 def _encode(figure: Figure) -> str:

@@ -108,6 +108,7 @@ def _line(row: Mapping[str, Any], tests: list[dict[str, Any]]) -> dict[str, Any]
         "cut": cut,
         "degenerate": degenerate,
         "std": f"{row['std']:.4f}",
+        "subject": "–" if degenerate else _interval(row, "subject_low", "subject_high"),
         "psnr": _optional(row.get("psnr_y_db"), ".2f"),
         "fta": _optional(row.get("fta"), ".1%"),
         "n_genuine": f"{row['n_genuine']:,}",
@@ -151,6 +152,11 @@ def _condition(row: Mapping[str, Any]) -> str:
     if row.get("ipd_px") is not None:
         words.append(f"IPD {row['ipd_px']:g} px")
     return ", ".join(words)
+
+
+def _interval(row: Mapping[str, Any], low: str, high: str) -> str:
+    ends = row.get(low), row.get(high)
+    return "–" if None in ends else f"{ends[0]:.3f} – {ends[1]:.3f}"
 
 
 def _optional(value: float | None, form: str) -> str:

@@ -8,17 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from numpy.typing import ArrayLike
 
 from lrsr.errors import InputError
 from lrsr.evaluation.roc import RocCurve
-from lrsr.experiments.report.figures import Interval, draw_intervals, draw_roc, encode_face
+from lrsr.experiments.report.figures import Interval, draw_intervals, draw_roc
 from lrsr.experiments.report.lines import best_methods, method_labels, report_lines
 from lrsr.files import write_text
+from lrsr.pages import FILE, encode_face, template
 
-FILE = "report.html"
-_TEMPLATES = Path(__file__).resolve().parent / "templates"
 _ROW_KEYS = ("option", "label", "auc", "std", "low", "high", "n_genuine", "n_impostor")
 _COMPARISON_KEYS = ("option", "method", "against", "difference", "p")
 
@@ -52,7 +50,7 @@ class Report:
         rows: Lines of the table, as in ``results.json``: option, method, label, auc, std, low,
             high, n_genuine, n_impostor and, where known, level, logit_low, logit_high, psnr_y_db,
             fta, eer, d_prime, rank_1, ipd_px, fnmr (of
-            :class:`~lrsr.evaluation.biometrics.OperatingPoint` or dicts of its fields).
+            :class:`~lrsr.evaluation.rates.OperatingPoint` or dicts of its fields).
         comparisons: Paired tests: option, method, against, difference, p and, where known, log10_p,
             low, high, ipd_px.
         panels: Curves and contact sheet of each condition.
@@ -122,18 +120,6 @@ def render_html(report: Report) -> str:
         panels=[_panel(panel, report) for panel in report.panels],
         n_tests=len(report.comparisons),
     )
-
-
-def template(name: str) -> Template:
-    """Return one of the pages' templates; whatever is put into it is escaped."""
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template(name)
 
 
 def _check(report: Report) -> None:

@@ -41,8 +41,9 @@ class Expression:
 
     Attributes:
         name: For manifests.
-        units: Strength, 0 to 1, of each face unit that is used; "mouthSmile" stands for
-            "mouthSmileLeft" and "mouthSmileRight". Units of no strength are dropped.
+        units: Strength, 0 to 1, of each face unit that is used; "mouthSmile" stands for those of
+            "mouthSmileLeft" and "mouthSmileRight" that are not named. Units of no strength are
+            dropped.
         strength: How much of all of them, 0 to 1.
 
     Raises:
@@ -59,8 +60,8 @@ class Expression:
 
     def __post_init__(self, strength: float) -> None:
         known = known_units()
-        strengths: dict[str, float] = {}
         share = _strength("strength", strength)
+        strengths: dict[str, float] = {}
         for unit, given in self.units.items():
             if unit not in known:
                 near = difflib.get_close_matches(unit, known, n=4, cutoff=0.5)
@@ -68,8 +69,8 @@ class Expression:
                 raise InputError(f"face unit {unit!r} does not exist; choose one of {wish}")
             value = _strength(unit, given)
             value = value if share == 1 else round(share * value, 4)
-            for side in known[unit]:
-                strengths[side] = max(value, strengths.get(side, 0.0))
+            own = known[unit] == (unit,)
+            strengths |= {side: value for side in known[unit] if own or side not in self.units}
         kept = {unit: strengths[unit] for unit in sorted(strengths) if strengths[unit] > 0}
         object.__setattr__(self, "units", kept)
 

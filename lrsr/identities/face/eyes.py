@@ -10,17 +10,17 @@ from lrsr.identities.shape.basis import BaseHead, Basis
 
 Points = NDArray[np.float64]
 
-GAZE_SHARE = np.array([0.35, 0.8, 0.0])
+_GAZE_SHARE = np.array([0.35, 0.8, 0.0])
 """How far an eye turns from straight ahead to the centre of its lids, across and up: without it
 many look up; sideways the lids open farther out than eyes look."""
-DIVERGENCE_SHARE = 0.4
+_DIVERGENCE_SHARE = 0.4
 """How much of that turn across remains where it drives the eyes apart: both look at one camera."""
-CORNEA_ANGLE_RAD = 0.42
+_CORNEA_ANGLE_RAD = 0.42
 """Angle from the axis at which the cornea rises from the white."""
-CORNEA_RISE = 0.06
+_CORNEA_RISE = 0.06
 """Height of the cornea's apex over the sphere, in radii: with the angle above its radius of
 curvature is 0.47 of the eyeball's, 7.8 mm for 16.6 mm, the mean cornea (Gullstrand)."""
-RINGS, SEGMENTS = 24, 48
+RINGS, _SEGMENTS = 24, 48
 _CORNEAL_RINGS = 12
 
 
@@ -42,6 +42,20 @@ class Eyes(NamedTuple):
         """Centre of each pupil, on the sphere behind the cornea: ``(2, 3)``, mm."""
         return self.centres + self.radii[:, None] * self.gazes
 
+    def surface_mm(self, which: int, offset: Points) -> Points:
+        """How far the surface of an eye, cornea included, is from its centre in some directions.
+
+        Args:
+            which: 0 is the left one in the image, 1 the right one.
+            offset: ``(n, 3)`` from its centre, mm; only the direction counts.
+
+        Returns:
+            ``(n,)``, mm.
+        """
+        length = np.maximum(np.linalg.norm(offset, axis=1), 1e-9)
+        angle = np.arccos(np.clip(offset @ self.gazes[which] / length, -1, 1))
+        return np.asarray(self.radii[which] * (1 + cornea_rise(angle)))
+
     def moved(self, rotation: ArrayLike, origin: ArrayLike) -> "Eyes":
         """Return the eyes in another frame: ``rotation @ (point - origin)``."""
         turn = np.asarray(rotation).T
@@ -61,9 +75,9 @@ def find_eyes(basis: Basis, head: BaseHead) -> Eyes:
     centres = head.eyes.mean(axis=1)
     radii = np.linalg.norm(head.eyes - centres[:, None], axis=2).mean(axis=1)
     middle = np.stack([head.skin[rim].mean(axis=0) for rim in basis.lid_rims])
-    gazes = GAZE_SHARE * (middle - centres)
+    gazes = _GAZE_SHARE * (middle - centres)
     both = gazes.mean(axis=0)
-    gazes[:, 0] = both[0] + DIVERGENCE_SHARE * (gazes[:, 0] - both[0])
+    gazes[:, 0] = both[0] + _DIVERGENCE_SHARE * (gazes[:, 0] - both[0])
     gazes[:, 1] = both[1]
     gazes[:, 2] = np.sqrt(np.maximum(radii**2 - (gazes[:, :2] ** 2).sum(axis=1), 0.0))
     return Eyes(centres, radii, gazes / np.linalg.norm(gazes, axis=1, keepdims=True))
@@ -76,17 +90,17 @@ def cornea_rise(angle: NDArray[Any]) -> NDArray[Any]:
         angle: Any shape, from the optical axis, radians, >= 0.
 
     Returns:
-        Same shape, in radii of the sphere: :data:`CORNEA_RISE` on the axis, 0 beyond the cornea.
+        Same shape, in radii of the sphere: :data:`_CORNEA_RISE` on the axis, 0 beyond the cornea.
 
     Example:
         >>> cornea_rise(np.array([0.0, 0.42, 1.0]))
         array([0.06, 0.  , 0.  ])
     """
-    inside = np.clip(1 - (angle / CORNEA_ANGLE_RAD) ** 2, 0, 1)
-    return np.asarray(CORNEA_RISE * inside**2)
+    inside = np.clip(1 - (angle / _CORNEA_ANGLE_RAD) ** 2, 0, 1)
+    return np.asarray(_CORNEA_RISE * inside**2)
 
 
-class Ball(NamedTuple):
+class _Ball(NamedTuple):
     """The front half of an eye around +z: a unit sphere and the cornea on it.
 
     Attributes:
@@ -102,36 +116,26 @@ class Ball(NamedTuple):
 
 
 @lru_cache(maxsize=1)
-def unit_ball() -> Ball:
+def unit_ball() -> _Ball:
     """Return the mesh that every eyeball is a copy of."""
+    cornea = np.linspace(0.0, _CORNEA_ANGLE_RAD, _CORNEAL_RINGS + 1)[1:]
+    white = np.linspace(_CORNEA_ANGLE_RAD, np.pi / 2, RINGS - _CORNEAL_RINGS + 1)[1:]
     polar, azimuth = np.meshgrid(
-        np.concatenate(
-            [
-                np.linspace(0.0, CORNEA_ANGLE_RAD, _CORNEAL_RINGS + 1)[1:],
-                np.linspace(CORNEA_ANGLE_RAD, np.pi / 2, RINGS - _CORNEAL_RINGS + 1)[1:],
-            ]
-        ),
-        np.linspace(0.0, 2 * np.pi, SEGMENTS, endpoint=False),
+        np.concatenate([cornea, white]),
+        np.linspace(0.0, 2 * np.pi, _SEGMENTS, endpoint=False),
         indexing="ij",
     )
     across = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     points = np.concatenate([np.sin(polar)[..., None] * across, np.cos(polar)[..., None]], axis=-1)
     points *= 1 + cornea_rise(polar)[..., None]
     uv = 0.5 + (polar / np.pi)[..., None] * across * [1.0, -1.0]
-    index = 1 + np.arange(RINGS * SEGMENTS).reshape(RINGS, SEGMENTS)
+    index = 1 + np.arange(RINGS * _SEGMENTS).reshape(RINGS, _SEGMENTS)
     after = np.roll(index, -1, axis=1)
-    cap = np.stack([np.zeros(SEGMENTS, int), index[0], after[0]], axis=-1)
-    inner, outer = index[:-1].ravel(), index[1:].ravel()
-    inner_after, outer_after = after[:-1].ravel(), after[1:].ravel()
-    faces = np.concatenate(
-        [
-            cap,
-            np.stack([inner, outer, outer_after], axis=-1),
-            np.stack([inner, outer_after, inner_after], axis=-1),
-        ]
-    )
-    return Ball(
-        np.concatenate([[[0.0, 0.0, 1.0 + CORNEA_RISE]], points.reshape(-1, 3)]),
+    cap = np.stack([np.zeros(_SEGMENTS, int), index[0], after[0]], axis=-1)
+    quads = np.stack([index[:-1], index[1:], after[1:], after[:-1]], axis=-1).reshape(-1, 4)
+    faces = np.concatenate([cap, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    return _Ball(
+        np.concatenate([[[0.0, 0.0, 1.0 + _CORNEA_RISE]], points.reshape(-1, 3)]),
         faces.astype(np.int32),
         np.concatenate([[[0.5, 0.5]], uv.reshape(-1, 2)]).astype(np.float32),
     )

@@ -86,29 +86,20 @@ def sample_iris(rng: Generator, *, european: float, eumelanin: float, age: float
 
 
 def paint_eye(
-    iris: Iris,
-    rng: Generator,
-    *,
-    texture_size: int = 256,
-    margins: NDArray[np.float64] | None = None,
+    iris: Iris, rng: Generator, margins: NDArray[np.float64], texture_size: int = 256
 ) -> NDArray[np.float32]:
     """Paint one eyeball.
 
     Args:
         iris: As :func:`sample_iris` draws it.
         rng: Source of randomness: fibres and veins.
-        texture_size: Rows and columns, >= 16.
         margins: ``(2, n, 2)`` radians, the upper and the lower lid from the inner corner to the
-            outer, as angles from the axis, across and up; without them no lid shades the eye.
+            outer, as angles from the axis, across and up.
+        texture_size: Rows and columns, >= 16.
 
     Returns:
         ``(S, S, 3)`` float32 linear reflectance, [0, 1], laid out as ``EDGE_ANGLE_RAD`` says.
-
-    Raises:
-        ValueError: The texture is smaller than 16.
     """
-    if texture_size < 16:
-        raise ValueError(f"texture_size must be at least 16, got {texture_size}")
     angle, azimuth = _polar(texture_size)
     pixel = 2 * EDGE_ANGLE_RAD / texture_size
     radius = angle / np.float32(iris["half_angle_rad"])
@@ -119,8 +110,7 @@ def paint_eye(
     share = iris["pupil_share"]
     pupil = smoothstep(share + 0.7 * soft + 0.01, share - 0.7 * soft - 0.01, radius)[..., None]
     colour = colour + (np.float32(0.004) - colour) * pupil
-    if margins is not None:
-        colour = _close_lids(colour, margins, iris["lid_shadow"])
+    colour = _close_lids(colour, margins, iris["lid_shadow"])
     return np.asarray(np.clip(colour, 0.0, 1.0), dtype=np.float32)
 
 

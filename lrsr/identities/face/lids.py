@@ -5,17 +5,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.identities.face.eyes import Eyes, cornea_rise, find_eyes
+from lrsr.identities.face.eyes import Eyes, find_eyes
 from lrsr.identities.shape.basis import Basis
 
 Points = NDArray[np.float64]
 
-CLEARANCE = 1.03
+_CLEARANCE = 1.03
 """Skin of the lids stays outside this many radii of the eyeball."""
-REACH = 1.5
+_REACH = 1.5
 """Skin farther than this many radii from the eye is no lid."""
 MARGIN_POINTS = 32
 """Points along the margin of each lid."""
+
+BLINKS = ("eyeBlinkRight", "eyeBlinkLeft")
+"""Units that close the eyes, left in the image first."""
 
 _MARGIN = 0.995  # where lid and eye meet on the template, in radii
 _FRONT = 0.4  # the margin lies before this, in radii: behind it skin and sphere meet again
@@ -32,7 +35,7 @@ class Lids:
     """The skin around the eyes of the template.
 
     Attributes:
-        vertices: Per eye, ``(n,)`` skin vertices within :data:`REACH`.
+        vertices: Per eye, ``(n,)`` skin vertices within :data:`_REACH`.
         distances: Per eye, ``(n,)`` their distance from the eye's centre in radii.
         margins: Per eye, the upper and the lower lid: ``(k, 2)`` edges of the mesh that cross the
             eyeball, the outer vertex last, from the inner corner to the outer.
@@ -40,16 +43,16 @@ class Lids:
 
     vertices: tuple[NDArray[np.int64], NDArray[np.int64]]
     distances: tuple[Points, Points]
-    margins: tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...] = ()
+    margins: tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]
 
 
-def find_lids(points: Points, eyes: Eyes, faces: NDArray[np.int32] | None = None) -> Lids:
+def find_lids(points: Points, eyes: Eyes, faces: NDArray[np.int32]) -> Lids:
     """Find the skin around the eyes of the template.
 
     Args:
         points: ``(V, 3)`` skin of the template, mm.
         eyes: Its eyes, in the same axes.
-        faces: ``(F, 3)``, its triangles; without them no margins are found.
+        faces: ``(F, 3)``, its triangles.
 
     Returns:
         Vertices and how far they are.
@@ -58,12 +61,8 @@ def find_lids(points: Points, eyes: Eyes, faces: NDArray[np.int32] | None = None
         np.linalg.norm(points - centre, axis=1) / radius
         for centre, radius in zip(eyes.centres, eyes.radii, strict=True)
     ]
-    near = [np.flatnonzero(d < REACH) for d in distances]
-    margins = (
-        ()
-        if faces is None
-        else tuple(_find_margins(points, faces, distances[which], eyes, which) for which in (0, 1))
-    )
+    near = [np.flatnonzero(d < _REACH) for d in distances]
+    margins = tuple(_find_margins(points, faces, distances[which], eyes, which) for which in (0, 1))
     return Lids((near[0], near[1]), (distances[0][near[0]], distances[1][near[1]]), margins)
 
 
@@ -75,7 +74,7 @@ def _find_margins(
     inside = distance < _MARGIN
     sides = np.unique(sides[inside[sides[:, 0]] != inside[sides[:, 1]]], axis=0).astype(np.int64)
     middle = points[sides].mean(axis=1) - eyes.centres[which]
-    before = (middle[:, 2] > _FRONT * eyes.radii[which]) & (distance[sides] < REACH).all(axis=1)
+    before = (middle[:, 2] > _FRONT * eyes.radii[which]) & (distance[sides] < _REACH).all(axis=1)
     sides, middle = sides[before], middle[before]
     sides = np.where(inside[sides[:, :1]], sides, sides[:, ::-1])
     across = middle[:, 0] * (1 if eyes.centres[which, 0] > 0 else -1)
@@ -83,11 +82,9 @@ def _find_margins(
     line = middle[inner, 1] + (middle[outer, 1] - middle[inner, 1]) * (across - across[inner]) / (
         across[outer] - across[inner]
     )
-    chains = []
-    for chosen in (middle[:, 1] >= line, middle[:, 1] <= line):
-        chain = np.flatnonzero(chosen)
-        chains.append(sides[chain[np.argsort(across[chain])]])
-    return chains[0], chains[1]
+    order = np.argsort(across)
+    sides, above, below = sides[order], (middle[:, 1] >= line)[order], (middle[:, 1] <= line)[order]
+    return sides[above], sides[below]
 
 
 def lid_margins(points: Points, eyes: Eyes, lids: Lids) -> Points:
@@ -148,9 +145,8 @@ def clear_lids(points: Points, eyes: Eyes, lids: Lids) -> Points:
         index, usual = lids.vertices[which], lids.distances[which]
         offset = points[index] - eyes.centres[which]
         distance = np.linalg.norm(offset, axis=1)
-        turn = np.clip(offset @ eyes.gazes[which] / np.maximum(distance, 1e-9), -1, 1)
-        radius = eyes.radii[which] * (1 + cornea_rise(np.arccos(turn)))
-        least = radius * np.minimum(usual, CLEARANCE)
+        radius = eyes.surface_mm(which, offset)
+        least = radius * np.minimum(usual, _CLEARANCE)
         most = np.where(usual < 0.99, radius * np.maximum(usual, 0.985), np.inf)
         wanted = np.clip(distance, np.where(usual >= 1.0, least, 0.0), most)
         moved[index] = eyes.centres[which] + offset * (wanted / distance)[:, None]
@@ -199,7 +195,7 @@ def closing_strengths(basis: Basis, weights: Points, lids: Lids) -> Points:
     gaps = []
     for strength in (1.0, 1.2):
         closed = weights.copy()
-        closed[_blink_columns(basis)] = strength
+        closed[blink_columns(basis)] = strength
         margins = lid_margins(*_shaped(basis, closed, lids), lids)
         apart = margins[:, 0, :, 1] - margins[:, 1, :, 1]
         gaps.append(apart[:, MARGIN_POINTS // 3 : -(MARGIN_POINTS // 3)].max(axis=1))
@@ -207,8 +203,9 @@ def closing_strengths(basis: Basis, weights: Points, lids: Lids) -> Points:
     return np.asarray(1.0 + np.clip((gaps[0] + _OVERLAP_MM) / travel, 0.0, 1.0))
 
 
-def _blink_columns(basis: Basis) -> list[int]:
-    return [basis.column[f"unit/eyeBlink{side}"] for side in ("Right", "Left")]
+def blink_columns(basis: Basis) -> list[int]:
+    """Return the places of :data:`BLINKS` among the coefficients."""
+    return [basis.column[f"unit/{unit}"] for unit in BLINKS]
 
 
 def rest_lids(basis: Basis, weights: Points, lids: Lids) -> Points:
@@ -224,7 +221,7 @@ def rest_lids(basis: Basis, weights: Points, lids: Lids) -> Points:
     Returns:
         Coefficients of the same face with other strengths of the two units.
     """
-    units = _blink_columns(basis)
+    units = blink_columns(basis)
     closed = weights.copy()
     closed[units] += 0.2
     heights = lid_heights(basis, weights, lids)

@@ -24,37 +24,37 @@ Points = NDArray[np.float64]
 
 STRIP_QUADS = 18
 """The last quads of the basis close the mouth."""
-CAVITY_MM = 55.0
+_CAVITY_MM = 55.0
 """How far behind the lips the mouth ends; the tongue is about as long."""
-LIP_LINE_MM = (-72.3, 7.4)
+_LIP_LINE_MM = (-72.3, 7.4)
 """Height of the template's lip line, and the depth of the foremost inside of its lips."""
-CORNER_MM = 24.6
+_CORNER_MM = 24.6
 """Half the width of the template's mouth."""
-FRONT_TEETH_MM = 15.0
+_FRONT_TEETH_MM = 15.0
 """How far from the middle the front teeth reach."""
-BEHIND_LIPS_MM = 3.0
+_BEHIND_LIPS_MM = 3.0
 """Least depth of front teeth behind the skin before them: lips that recede take them along."""
-NEAR_MM = 3.5
+_NEAR_MM = 3.5
 """How far aside skin counts as before a tooth: about the mesh's width at the lips."""
 MUCOSA = (0.33, 0.105, 0.10)
 """Reflectance of the inside of lips and cheeks: blood under a wet skin without pigment
 (estimated from photographs)."""
 THROAT = (0.12, 0.026, 0.026)
 
-JAW_OPEN = np.array([[0.0, 0.0, 0.0], [0.0, -0.092, 0.368], [0.0, -0.373, -0.088]])
-JAW_OPEN_AT_ORIGIN = np.array([0.0, -33.019, 13.568])
-"""What ``jawOpen`` does to MakeHuman's own lower teeth: ``point @ JAW_OPEN + ..._AT_ORIGIN``, a
+_JAW_OPEN = np.array([[0.0, 0.0, 0.0], [0.0, -0.092, 0.368], [0.0, -0.373, -0.088]])
+_JAW_OPEN_AT_ORIGIN = np.array([0.0, -33.019, 13.568])
+"""What ``jawOpen`` does to MakeHuman's own lower teeth: ``point @ _JAW_OPEN + ..._AT_ORIGIN``, a
 turn by 21 degrees about the joints of the jaw; fitted, largest error 0.1 mm."""
-JAW_SHIFTS = {
+_JAW_SHIFTS = {
     "jawForward": (0.0, -1.5, 8.3),
     "jawLeft": (6.6, -0.8, 4.3),
     "jawRight": (-6.6, -0.8, 4.3),
 }
 """What the other units do to them, mm."""
-JAW_UNITS = ("jawOpen", *JAW_SHIFTS)
+JAW_UNITS = ("jawOpen", *_JAW_SHIFTS)
 
 
-class Cavity(NamedTuple):
+class _Cavity(NamedTuple):
     """The skin's vertices behind the lips.
 
     Attributes:
@@ -91,7 +91,7 @@ def _rings(basis: Basis) -> NDArray[np.int64]:
 
 
 @lru_cache(maxsize=1)
-def cavity() -> Cavity:
+def cavity() -> _Cavity:
     """Find the inside of the mouth on the skin's mesh; later calls are free."""
     basis = load_basis()
     surface = basis.surface
@@ -108,10 +108,10 @@ def cavity() -> Cavity:
     inside = np.clip(surface.matrix @ np.clip(_rings(basis) - 1.0, 0.0, 1.0), 0.0, 1.0)
     found = np.flatnonzero(step)
     outside = (1.0 - inside).astype(np.float32)
-    return Cavity(found, CAVITY_MM * step[found], inside, outside, step)
+    return _Cavity(found, _CAVITY_MM * step[found], inside, outside, step)
 
 
-class Lining(NamedTuple):
+class _Lining(NamedTuple):
     """The mouth's part of the skin's texture.
 
     Attributes:
@@ -132,7 +132,7 @@ class Lining(NamedTuple):
 
 
 @lru_cache(maxsize=4)
-def lining(texture_size: int) -> Lining:
+def lining(texture_size: int) -> _Lining:
     """Find the mouth in a texture of that many rows; later calls are free.
 
     Args:
@@ -145,7 +145,7 @@ def lining(texture_size: int) -> Lining:
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     box = slice(rows[0] - 1, rows[-1] + 2), slice(columns[0] - 1, columns[-1] + 2)
     filled = fill_outside(drawn[box], mask[box]).astype(np.float32)
-    return Lining(box, filled[..., :1], filled[..., 1:])
+    return _Lining(box, filled[..., :1], filled[..., 1:])
 
 
 @lru_cache(maxsize=1)
@@ -160,43 +160,34 @@ def _inner_lips() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 def _jaw_offset(points: Points, units: Mapping[str, float]) -> Points:
     """Tell how far the jaw carries points of the template."""
-    offset = units.get("jawOpen", 0.0) * (points @ JAW_OPEN + JAW_OPEN_AT_ORIGIN)
-    for unit, shift in JAW_SHIFTS.items():
+    offset = units.get("jawOpen", 0.0) * (points @ _JAW_OPEN + _JAW_OPEN_AT_ORIGIN)
+    for unit, shift in _JAW_SHIFTS.items():
         offset += units.get(unit, 0.0) * np.array(shift)
     return np.asarray(offset)
 
 
-def place_jaws(jaws: Jaws, rest: BaseHead, units: Mapping[str, float]) -> NDArray[np.float32]:
-    """Put teeth and tongue behind a person's lips.
-
-    Args:
-        jaws: The mesh, in the template's millimetres.
-        rest: The person's coarse head in the head frame, without any expression.
-        units: Strengths of the face units that are worn; those of the jaw count.
-
-    Returns:
-        ``(V, 3)`` float32, mm.
-    """
+def _place_jaws(jaws: Jaws, rest: BaseHead, units: Mapping[str, float]) -> NDArray[np.float32]:
+    """Put teeth and tongue behind a person's lips: ``(V, 3)`` float32, mm."""
     points = jaws.vertices.copy()
     points[jaws.lower] += _jaw_offset(points[jaws.lower], units)
     meeting, behind = _inner_lips()
     left, right = rest.skin[load_basis().landmark_vertices[1:]]
-    width = np.linalg.norm(right - left) / (2 * CORNER_MM)
+    width = np.linalg.norm(right - left) / (2 * _CORNER_MM)
     points[:, 0] *= np.clip(np.sqrt(width), 0.85, 1.1)
     line = rest.skin[meeting].mean(axis=0)
     depth = rest.skin[behind, 2].min()
-    place = np.array([line[0], line[1] - LIP_LINE_MM[0], depth - LIP_LINE_MM[1]])
+    place = np.array([line[0], line[1] - _LIP_LINE_MM[0], depth - _LIP_LINE_MM[1]])
     place[2] -= _excess_mm(jaws.vertices + place, rest)
     return np.asarray(points + place, dtype=np.float32)
 
 
 def _excess_mm(points: Points, rest: BaseHead) -> float:
-    """Tell how far front teeth must go back to stand :data:`BEHIND_LIPS_MM` behind all lips."""
-    points = points[np.abs(points[:, 0]) < FRONT_TEETH_MM]
-    skin = rest.skin[np.linalg.norm(rest.skin - points.mean(axis=0), axis=1) < 2 * CORNER_MM]
+    """Tell how far front teeth must go back to stand :data:`_BEHIND_LIPS_MM` behind all lips."""
+    points = points[np.abs(points[:, 0]) < _FRONT_TEETH_MM]
+    skin = rest.skin[np.linalg.norm(rest.skin - points.mean(axis=0), axis=1) < 2 * _CORNER_MM]
     apart = np.linalg.norm(points[:, None, :2] - skin[None, :, :2], axis=2)
-    before = np.where(apart < NEAR_MM, skin[:, 2], -np.inf).max(axis=1) - points[:, 2]
-    return max(0.0, BEHIND_LIPS_MM - float(before[np.isfinite(before)].min(initial=np.inf)))
+    before = np.where(apart < _NEAR_MM, skin[:, 2], -np.inf).max(axis=1) - points[:, 2]
+    return max(0.0, _BEHIND_LIPS_MM - float(before[np.isfinite(before)].min(initial=np.inf)))
 
 
 def build_mouth(
@@ -214,5 +205,5 @@ def build_mouth(
         The part "mouth"; its faces, uv and texture size are everybody's.
     """
     jaws = build_jaws()
-    vertices = place_jaws(jaws, rest, units)
+    vertices = _place_jaws(jaws, rest, units)
     return Part("mouth", "eye", vertices, jaws.faces, jaws.uv, paint_jaws(age, shade))

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.face.eyes import Eyes, find_eyes
-from lrsr.identities.face.lids import clear_lids, closing_strengths, rest_lids
+from lrsr.identities.face.lids import (
+    BLINKS,
+    blink_columns,
+    clear_lids,
+    closing_strengths,
+    rest_lids,
+)
 from lrsr.identities.face.template import template
 from lrsr.identities.shape.basis import BaseHead, load_basis
 
@@ -68,11 +74,10 @@ def act(face: RestingFace, expression: Expression) -> tuple[Points, Points]:
     acting = expression.act(basis, face.weights)
     if acting is face.weights:
         return acting, face.skin
-    blinks = [expression.units.get(f"eyeBlink{side}", 0.0) for side in ("Right", "Left")]
+    blinks = [expression.units.get(unit, 0.0) for unit in BLINKS]
     if any(blinks):
         beyond = closing_strengths(basis, face.weights, template().lids) - 1.0
-        for side, more in zip(("Right", "Left"), blinks * beyond, strict=True):
-            acting[basis.column[f"unit/eyeBlink{side}"]] += more
+        acting[blink_columns(basis)] += blinks * beyond
     return acting, _skin(_moved(basis.shape(acting), face.rotation, face.origin), face.eyes)
 
 

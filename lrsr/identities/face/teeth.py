@@ -18,23 +18,23 @@ Points = NDArray[np.float64]
 UPPER_WIDTHS_MM = (8.5, 6.6, 7.6, 7.1, 6.7, 10.2)
 LOWER_WIDTHS_MM = (5.3, 5.8, 6.9, 7.0, 7.1, 10.9)
 """Of one side, from the middle to the first molar."""
-UPPER_CROWNS_MM = (9.8, 8.6, 9.5, 8.2, 7.6, 7.0)
-LOWER_CROWNS_MM = (8.4, 8.6, 9.6, 8.2, 7.6, 7.0)
-UPPER_EDGES_MM = (0.0, 0.6, 0.1, 0.8, 1.0, 1.2)
-LOWER_EDGES_MM = (0.0, 0.0, -0.3, 0.2, 0.5, 0.8)
+_UPPER_CROWNS_MM = (9.8, 8.6, 9.5, 8.2, 7.6, 7.0)
+_LOWER_CROWNS_MM = (8.4, 8.6, 9.6, 8.2, 7.6, 7.0)
+_UPPER_EDGES_MM = (0.0, 0.6, 0.1, 0.8, 1.0, 1.2)
+_LOWER_EDGES_MM = (0.0, 0.0, -0.3, 0.2, 0.5, 0.8)
 """How much farther from the other row the cutting edge lies than that of the first incisor."""
-UPPER_ARCH = (-75.2, 4.6, 29.5, 42.0)
-LOWER_ARCH = (-73.8, 1.9, 27.5, 40.0)
+_UPPER_ARCH = (-75.2, 4.6, 29.5, 42.0)
+_LOWER_ARCH = (-73.8, 1.9, 27.5, 40.0)
 """Height of the cutting edge, depth of the front, half width and length of the ellipse, mm."""
 
 COLUMNS = (0.0, 0.07, 0.3, 0.7, 0.93, 1.0)
 """Where a tooth has vertices across its width."""
-RECESS_MM = (1.3, 0.45, 0.0, 0.0, 0.45, 1.3)
+_RECESS_MM = (1.3, 0.45, 0.0, 0.0, 0.45, 1.3)
 """How far it stands back there, how much its edge and, towards it, its gum is rounded."""
-EDGE_ROUNDING_MM = (1.0, 0.35, 0.0, 0.0, 0.35, 1.0)
-SCALLOP_MM = (-1.6, -0.7, 0.0, 0.0, -0.7, -1.6)
-GUM_MM = 7.0
-TEXTURE = (64, 32)
+_EDGE_ROUNDING_MM = (1.0, 0.35, 0.0, 0.0, 0.35, 1.0)
+_SCALLOP_MM = (-1.6, -0.7, 0.0, 0.0, -0.7, -1.6)
+_GUM_MM = 7.0
+_TEXTURE = (64, 32)
 """Rows and columns: gums above row 16, teeth to row 48 from neck to edge, tongue below."""
 
 _ROWS = 7
@@ -84,12 +84,12 @@ def _tooth(
 ) -> tuple[Points, Points]:
     """Make one tooth with its gum: ``(7, 6, 3)`` points from gum to back, and their uv."""
     height, front, half_width, length = arch
-    columns, recess = np.array(COLUMNS), np.array(RECESS_MM)
+    columns, recess = np.array(COLUMNS), np.array(_RECESS_MM)
     middle, normal = _along_arch(span[0] + (span[1] - span[0]) * columns, half_width, length)
-    cut = height + up * (edge + np.array(EDGE_ROUNDING_MM))
-    neck = height + up * (edge + crown + np.array(SCALLOP_MM))
+    cut = height + up * (edge + np.array(_EDGE_ROUNDING_MM))
+    neck = height + up * (edge + crown + np.array(_SCALLOP_MM))
     rows = (  # y, stands back by, v
-        (np.full(6, height + up * (edge + crown + GUM_MM)), np.full(6, 0.5), 0.0),
+        (np.full(6, height + up * (edge + crown + _GUM_MM)), np.full(6, 0.5), 0.0),
         (neck + 0.4 * up, 0.2 + 0.5 * recess, 0.24),
         (neck, 0.5 + 0.7 * recess, 0.27),
         (0.55 * neck + 0.45 * cut, -0.1 + recess, 0.5),
@@ -123,35 +123,27 @@ def _tongue() -> tuple[Points, Points]:
 @lru_cache(maxsize=1)
 def build_jaws() -> Jaws:
     """Return everybody's teeth, gums and tongue; later calls are free."""
-    points: list[Points] = []
-    uv: list[Points] = []
-    faces: list[NDArray[np.int64]] = []
-    lower: list[NDArray[np.bool_]] = []
-
-    def add(grid: Points, layout: Points, *, below: bool, flip: bool) -> None:
-        start = sum(len(p) for p in points)
-        made = _grid_faces(grid.shape[0], grid.shape[1], start)
-        points.append(grid.reshape(-1, 3))
-        uv.append(layout.reshape(-1, 2))
-        faces.append(made[:, ::-1] if flip else made)
-        lower.append(np.full(grid.shape[0] * grid.shape[1], below))
-
+    pieces: list[tuple[Points, Points, bool]] = []  # points, uv, whether the jaw carries them
     for below, arch, widths, crowns, edges in (
-        (False, UPPER_ARCH, UPPER_WIDTHS_MM, UPPER_CROWNS_MM, UPPER_EDGES_MM),
-        (True, LOWER_ARCH, LOWER_WIDTHS_MM, LOWER_CROWNS_MM, LOWER_EDGES_MM),
+        (False, _UPPER_ARCH, UPPER_WIDTHS_MM, _UPPER_CROWNS_MM, _UPPER_EDGES_MM),
+        (True, _LOWER_ARCH, LOWER_WIDTHS_MM, _LOWER_CROWNS_MM, _LOWER_EDGES_MM),
     ):
         up = -1.0 if below else 1.0
         ends = np.concatenate([[0.0], np.cumsum(widths)])
         for k, (crown, edge) in enumerate(zip(crowns, edges, strict=True)):
             for span in ((ends[k], ends[k + 1]), (-ends[k + 1], -ends[k])):
-                tooth, layout = _tooth(arch, span, crown, edge, up)
-                add(tooth, layout, below=below, flip=below)
-    add(*_tongue(), below=True, flip=True)
+                pieces.append((*_tooth(arch, span, crown, edge, up), below))
+    pieces.append((*_tongue(), True))
+    faces, lower = [], np.zeros(0, bool)
+    for grid, _, below in pieces:
+        made = _grid_faces(grid.shape[0], grid.shape[1], start=len(lower))
+        faces.append(made[:, ::-1] if below else made)
+        lower = np.append(lower, np.full(grid.shape[0] * grid.shape[1], below))
     return Jaws(
-        np.concatenate(points),
+        np.concatenate([grid.reshape(-1, 3) for grid, _, _ in pieces]),
         np.concatenate(faces).astype(np.int32),
-        np.concatenate(uv).astype(np.float32),
-        np.concatenate(lower),
+        np.concatenate([uv.reshape(-1, 2) for _, uv, _ in pieces]).astype(np.float32),
+        lower,
     )
 
 
@@ -166,7 +158,7 @@ def paint_jaws(age: float, shade: float) -> NDArray[np.float32]:
         ``(64, 32, 3)`` float32, linear reflectance: young incisors about 0.5, between Vita A1 and
         A3 (O'Brien et al. 1990 measured Munsell values of 7 to 8.5).
     """
-    height, width = TEXTURE
+    height, width = _TEXTURE
     v = ((np.arange(height) + 0.5) / height)[:, None, None]
     u = ((np.arange(width) + 0.5) / width)[None, :, None]
     dark = np.clip(0.45 * age + 0.12 * shade, -0.2, 0.7)

@@ -41,7 +41,7 @@ LIMIT_SD = 3.25
 SIGMA_Z_LIMIT = 1.5
 """Faces of all ethnic groups judged by wide norms: half way from the healthy to the malformed."""
 
-LANDMARKS: dict[str, tuple[float, float, float]] = {
+_MIDLINE = {
     "vertex": (0.0, 114.2, -88.3),
     "nasion": (0.0, 2.5, 8.2),
     "pronasale": (0.0, -41.0, 28.0),
@@ -52,26 +52,19 @@ LANDMARKS: dict[str, tuple[float, float, float]] = {
     "gnathion": (0.0, -115.1, -1.5),
     "glabella": (0.0, 20.0, 11.4),
     "opisthocranion": (0.0, 20.0, -195.0),
-    "left alare": (18.1, -44.6, 7.2),
-    "right alare": (-18.1, -44.6, 7.2),
-    "left zygion": (68.2, -19.0, -41.2),
-    "right zygion": (-68.2, -19.0, -41.2),
-    "left jaw": (57.5, -79.6, -47.4),
-    "right jaw": (-57.5, -79.6, -47.4),
-    "left eurion": (71.5, 51.0, -78.0),
-    "right eurion": (-71.5, 51.0, -78.0),
-    "left cheilion": (25.0, -73.5, -1.0),
-    "right cheilion": (-25.0, -73.5, -1.0),
-    "left exocanthion": (44.6, -2.0, -11.0),
-    "right exocanthion": (-44.6, -2.0, -11.0),
-    "left endocanthion": (20.3, -3.0, -3.2),
-    "right endocanthion": (-20.3, -3.0, -3.2),
-    "left superaurale": (75.9, 23.2, -95.9),
-    "right superaurale": (-75.9, 23.2, -95.9),
-    "left subaurale": (76.3, -51.0, -92.0),
-    "right subaurale": (-76.3, -51.0, -92.0),
 }
-"""Points on the template, mm; "left" is the subject's."""
+_SIDES = {
+    "alare": (18.1, -44.6, 7.2),
+    "zygion": (68.2, -19.0, -41.2),
+    "jaw": (57.5, -79.6, -47.4),
+    "eurion": (71.5, 51.0, -78.0),
+    "cheilion": (25.0, -73.5, -1.0),
+    "exocanthion": (44.6, -2.0, -11.0),
+    "endocanthion": (20.3, -3.0, -3.2),
+    "superaurale": (75.9, 23.2, -95.9),
+    "subaurale": (76.3, -51.0, -92.0),
+}
+"""Points on the template, mm: in the middle, and on the subject's left with their mirror images."""
 
 LENGTHS: dict[str, tuple[str, str]] = {
     "face height": ("nasion", "gnathion"),
@@ -94,11 +87,11 @@ LENGTHS: dict[str, tuple[str, str]] = {
     "left ear length": ("left superaurale", "left subaurale"),
     "right ear length": ("right superaurale", "right subaurale"),
 }
-UPRIGHT = ("skull height",)
-"""Lengths along the vertical alone."""
+_UPRIGHT = list(LENGTHS).index("skull height")
+"""The length that is taken along the vertical alone."""
 
 
-class Proportion(NamedTuple):
+class _Proportion(NamedTuple):
     """What adults have.
 
     Attributes:
@@ -119,34 +112,38 @@ class Proportion(NamedTuple):
     sd: float
     offset: float = 0.0
 
+    def mean(self, sex: Sex) -> float:
+        """Return the mean of a sex, as :func:`proportions` measures."""
+        return (self.men if sex == "male" else self.women) + self.offset
+
 
 _PUPILS = "interpupillary distance"
 
 PROPORTIONS = (
-    Proportion(_PUPILS, _PUPILS, "", 61.7, 64.7, 3.6),
-    Proportion("face height", "face height", "", 111.4, 121.3, 6.5),
-    Proportion("face width", "face width", "", 131.0, 138.0, 7.0),
-    Proportion("face to pupils' width", "face width", _PUPILS, 212.0, 213.0, 12.0),
-    Proportion("facial index", "face height", "face width", 85.0, 88.0, 6.0),
-    Proportion("head index", "head width", "head length", 77.5, 77.0, 5.5, -7.0),
-    Proportion("face to head width", "face width", "head width", 91.0, 92.0, 4.0, 5.0),
-    Proportion("jaw to face width", "jaw width", "face width", 84.0, 86.0, 4.0),
-    Proportion("skull to face height", "skull height", "face height", 97.0, 92.0, 8.0),
-    Proportion("lower to whole face", "lower face height", "face height", 57.7, 58.3, 3.0, -2.0),
-    Proportion("chin to lower face", "chin height", "lower face height", 68.0, 69.0, 3.8),
-    Proportion("nasal index", "nose width", "nose height", 68.0, 69.0, 9.5),
-    Proportion("nose to face width", "nose width", "face width", 25.5, 26.5, 2.8),
-    Proportion("nose to face height", "nose height", "face height", 44.5, 44.0, 3.0, 2.0),
-    Proportion("nose protrusion", "nose protrusion", "", 17.3, 17.8, 2.8),
-    Proportion("mouth to face width", "mouth width", "face width", 38.5, 39.5, 3.6),
-    Proportion("nose to mouth width", "nose width", "mouth width", 68.0, 69.0, 9.0),
-    Proportion("upper lip to lower face", "upper lip height", "lower face height", 31.5, 31, 3.3),
-    Proportion("upper vermilion", "upper vermilion", "", 9.8, 9.8, 2.2, 2.0),
-    Proportion("lower vermilion", "lower vermilion", "", 10.4, 10.4, 2.2, 1.0),
-    Proportion("biocular to face width", "biocular width", "face width", 67.0, 66.5, 3.3),
-    Proportion("intercanthal index", "intercanthal width", "biocular width", 37.0, 37.5, 2.9),
-    Proportion("left ear to face", "left ear length", "face height", 56.0, 55.0, 5.5, 8.0),
-    Proportion("right ear to face", "right ear length", "face height", 56.0, 55.0, 5.5, 8.0),
+    _Proportion(_PUPILS, _PUPILS, "", 61.7, 64.7, 3.6),
+    _Proportion("face height", "face height", "", 111.4, 121.3, 6.5),
+    _Proportion("face width", "face width", "", 131.0, 138.0, 7.0),
+    _Proportion("face to pupils' width", "face width", _PUPILS, 212.0, 213.0, 12.0),
+    _Proportion("facial index", "face height", "face width", 85.0, 88.0, 6.0),
+    _Proportion("head index", "head width", "head length", 77.5, 77.0, 5.5, -7.0),
+    _Proportion("face to head width", "face width", "head width", 91.0, 92.0, 4.0, 5.0),
+    _Proportion("jaw to face width", "jaw width", "face width", 84.0, 86.0, 4.0),
+    _Proportion("skull to face height", "skull height", "face height", 97.0, 92.0, 8.0),
+    _Proportion("lower to whole face", "lower face height", "face height", 57.7, 58.3, 3.0, -2.0),
+    _Proportion("chin to lower face", "chin height", "lower face height", 68.0, 69.0, 3.8),
+    _Proportion("nasal index", "nose width", "nose height", 68.0, 69.0, 9.5),
+    _Proportion("nose to face width", "nose width", "face width", 25.5, 26.5, 2.8),
+    _Proportion("nose to face height", "nose height", "face height", 44.5, 44.0, 3.0, 2.0),
+    _Proportion("nose protrusion", "nose protrusion", "", 17.3, 17.8, 2.8),
+    _Proportion("mouth to face width", "mouth width", "face width", 38.5, 39.5, 3.6),
+    _Proportion("nose to mouth width", "nose width", "mouth width", 68.0, 69.0, 9.0),
+    _Proportion("upper lip to lower face", "upper lip height", "lower face height", 31.5, 31, 3.3),
+    _Proportion("upper vermilion", "upper vermilion", "", 9.8, 9.8, 2.2, 2.0),
+    _Proportion("lower vermilion", "lower vermilion", "", 10.4, 10.4, 2.2, 1.0),
+    _Proportion("biocular to face width", "biocular width", "face width", 67.0, 66.5, 3.3),
+    _Proportion("intercanthal index", "intercanthal width", "biocular width", 37.0, 37.5, 2.9),
+    _Proportion("left ear to face", "left ear length", "face height", 56.0, 55.0, 5.5, 8.0),
+    _Proportion("right ear to face", "right ear length", "face height", 56.0, 55.0, 5.5, 8.0),
 )
 """Offsets: MakeHuman's ears are long, its head and nasion lie a little elsewhere than a caliper
 finds them. Widths between cheekbones and pupils were measured on different people: 212 % is the
@@ -160,9 +157,12 @@ def _landmark_vertices() -> dict[str, int]:
     surface = load_basis().surface
     head = np.unique(surface.faces[surface.region == 0])
     skin = template().skin[head]
+    points = dict(_MIDLINE)
+    for name, (x, y, z) in _SIDES.items():
+        points |= {f"left {name}": (x, y, z), f"right {name}": (-x, y, z)}
     return {
-        name: int(head[np.argmin(np.linalg.norm(skin - np.array(point), axis=1))])
-        for name, point in LANDMARKS.items()
+        name: int(head[np.argmin(np.linalg.norm(skin - point, axis=1))])
+        for name, point in points.items()
     }
 
 
@@ -179,43 +179,31 @@ def measure_lengths(skin: Points, ipd_mm: float) -> dict[str, float]:
     vertex = _landmark_vertices()
     ends = np.array([[vertex[a], vertex[b]] for a, b in LENGTHS.values()])
     between = skin[ends[:, 0]] - skin[ends[:, 1]]
-    between[[list(LENGTHS).index(name) for name in UPRIGHT]] *= (0.0, 1.0, 0.0)
+    between[_UPRIGHT] *= (0.0, 1.0, 0.0)
     lengths = np.linalg.norm(between, axis=1)
     return dict(zip(LENGTHS, lengths.tolist(), strict=True)) | {_PUPILS: ipd_mm}
 
 
-class Crookedness(NamedTuple):
-    """How unlike the two halves of a face are.
-
-    Attributes:
-        mouth_deg: Cant of the line between the corners of the mouth against that between the eyes.
-        mouth_mm: How far aside from the nasion the middle of the mouth lies.
-        nose_mm: How far aside the tip of the nose lies.
-        chin_mm: How far aside the chin lies.
-    """
-
-    mouth_deg: float
-    mouth_mm: float
-    nose_mm: float
-    chin_mm: float
-
-
-def measure_crookedness(skin: Points) -> Crookedness:
-    """Measure how far the parts of the midline stray from it.
+def measure_crookedness(skin: Points) -> dict[str, float]:
+    """Measure how unlike the two halves of a face are.
 
     Args:
         skin: ``(V, 3)`` render vertices, head frame (the pupils lie on a horizontal), mm.
+
+    Returns:
+        The cant of the line between the corners of the mouth, and how far aside from the nasion
+        the middle of the mouth, the tip of the nose and the chin lie.
     """
     point = {name: skin[vertex] for name, vertex in _landmark_vertices().items()}
     left, right = point["left cheilion"], point["right cheilion"]
     x, y, _ = left - right
     middle = float(point["nasion"][0])
-    return Crookedness(
-        mouth_deg=abs(math.degrees(math.atan2(y, x))),
-        mouth_mm=abs(float(left[0] + right[0]) / 2 - middle),
-        nose_mm=abs(float(point["pronasale"][0]) - middle),
-        chin_mm=abs(float(point["gnathion"][0]) - middle),
-    )
+    return {
+        "crooked: cant of the mouth, degrees": abs(math.degrees(math.atan2(y, x))),
+        "crooked: mouth off the middle, mm": abs(float(left[0] + right[0]) / 2 - middle),
+        "crooked: nose tip off the middle, mm": abs(float(point["pronasale"][0]) - middle),
+        "crooked: chin off the middle, mm": abs(float(point["gnathion"][0]) - middle),
+    }
 
 
 def nose_depth_mm(skin: Points) -> float:
@@ -252,18 +240,13 @@ def z_scores(measured: dict[str, float], sex: Sex) -> dict[str, float]:
     Args:
         measured: As :func:`proportions` gives them.
         sex: "female" or "male".
-
-    Raises:
-        ValueError: There is no such sex among the norms.
     """
-    if sex not in ("female", "male"):
-        raise ValueError(f"norms are of 'female' and 'male', not of {sex!r}")
-    return {p.name: (measured[p.name] - p.offset - _mean(p, sex)) / p.sd for p in PROPORTIONS}
+    return {p.name: (measured[p.name] - p.mean(sex)) / p.sd for p in PROPORTIONS}
 
 
-def limits(proportion: Proportion, sex: Sex) -> tuple[float, float]:
+def limits(proportion: _Proportion, sex: Sex) -> tuple[float, float]:
     """Return the lowest and the highest value of a human being, as :func:`proportions` measures."""
-    middle, reach = _mean(proportion, sex) + proportion.offset, LIMIT_SD * proportion.sd
+    middle, reach = proportion.mean(sex), LIMIT_SD * proportion.sd
     return middle - reach, middle + reach
 
 
@@ -275,7 +258,3 @@ def sigma_z(scores: dict[str, float]) -> float:
         1.0
     """
     return float(np.std(list(scores.values())))
-
-
-def _mean(proportion: Proportion, sex: Sex) -> float:
-    return proportion.men if sex == "male" else proportion.women

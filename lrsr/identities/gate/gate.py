@@ -43,12 +43,7 @@ def draw_plausible(
         draw: Gives the draw of a number 0, 1, 2, ...; always the same for the same number.
         judge: Says whether one passes.
         most: How many are drawn at most, >= 1.
-
-    Raises:
-        ValueError: ``most`` is less than 1.
     """
-    if most < 1:
-        raise ValueError(f"most must be >= 1, got {most}")
     tried: list[tuple[T, Plausibility]] = []
     for attempt in range(most):
         drawn = draw(attempt)

@@ -1,113 +1,63 @@
 """Does hair sit on its head? Attached to the skin, off the face, with an edge that is no helmet's.
 
-Distances are to the nearest vertex of the coarse head or, for ribbons, of the shell that carries
-them; vertices lie 2 to 7 mm apart, so distances are too large by up to half of that.
+Distances are to the nearest vertex of the coarse head; vertices lie 2 to 7 mm apart, so distances
+are too large by up to half of that.
 """
 
-from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lrsr.identities.face.template import template
-from lrsr.identities.gate.intersection import coarse_faces
-from lrsr.identities.hair.anchors import load_anchors
+from lrsr.identities.gate.coarse import coarse_head
 from lrsr.identities.hair.paths import COLUMNS
-from lrsr.identities.hair.shell import ROWS, lay_shell
-from lrsr.identities.hair.strands import RIBBONS
+from lrsr.identities.hair.shell import ROWS
 from lrsr.identities.shape.basis import load_basis
 
 Points = NDArray[np.float64]
 
 _EVERY_COLUMN = 8
-_EVERY_RIBBON = 24
 _FACE_TOP_MM = 8.0
 """Hair may hang to the brows, this far above the pupils."""
 
 
-class HairFit(NamedTuple):
-    """How a head of hair sits.
-
-    Attributes:
-        off_skin_mm: How far from the skin the columns of the shell stay even where they come
-            nearest to it; the column at the 95th percentile.
-        ribbons_off_mm: How far from shell and skin ribbons stay likewise; the 99th percentile.
-        before_eyes: Share of the vertices of the hair that hang before an eye.
-        before_face: Share that hang before nose and mouth.
-        edge_mm: Height of the shell's edge over the forehead, median; 0 without such an edge.
-    """
-
-    off_skin_mm: float
-    ribbons_off_mm: float
-    before_eyes: float
-    before_face: float
-    edge_mm: float
-
-
-def grow_shell(
-    parameters: Mapping[str, Any], skin: NDArray[np.float32], seed: int
-) -> NDArray[np.float32]:
-    """Grow the shell of a head of hair, without the ribbons and the texture, which take longer.
-
-    Args:
-        parameters: See :func:`lrsr.identities.hair.hair.build_hair`.
-        skin: ``(V, 3)`` render vertices, mm.
-        seed: As there.
-
-    Returns:
-        The first vertices of the part "hair" that it would build, mm.
-    """
-    rng = np.random.default_rng([seed, 3])
-    shell = lay_shell(parameters, load_anchors(), skin, rng)
-    return shell.points[:, :ROWS].reshape(-1, 3).astype(np.float32)
-
-
 def measure_hair(
-    hair: NDArray[np.floating], skin: NDArray[np.floating], pupils: Points, *, stands: bool = True
-) -> HairFit:
+    hair: NDArray[np.floating], skin: NDArray[np.floating], pupils: Points, *, stands: bool
+) -> dict[str, float]:
     """Measure how hair sits on a head.
 
     Args:
-        hair: ``(N, 3)`` vertices of the part "hair", mm, or of its shell alone.
+        hair: ``(N, 3)``, mm: the vertices of the shell, or of all hair, the shell first.
         skin: ``(V, 3)`` render vertices of the skin, mm.
         pupils: ``(2, 3)``, mm.
         stands: Whether there is any: that of shaved heads is hidden below the skin.
+
+    Returns:
+        How far from the skin the columns of the shell stay even where they come nearest to it (the
+        column at the 95th percentile), the shares of the vertices that hang before an eye and
+        before nose and mouth, and the median height of the shell's edge over the forehead, 0
+        without such an edge.
     """
     corners = skin[load_basis().surface.landmarks[1:]]
-    skin = skin[_scalp_vertices()]
-    columns = hair[: COLUMNS * ROWS].reshape(COLUMNS, ROWS, 3)
-    sampled = columns[::_EVERY_COLUMN, ::2]
-    off = _distances(skin, sampled)
+    sampled = hair[: COLUMNS * ROWS].reshape(COLUMNS, ROWS, 3)[::_EVERY_COLUMN, ::2]
+    off = _distances(skin[_scalp_vertices()], sampled)
     eyes, face = _before(hair, pupils, corners)
-    forehead = sampled[:, -1] if stands else sampled[:0, -1]
-    return HairFit(
-        off_skin_mm=float(np.percentile(off.min(axis=1), 95)),
-        ribbons_off_mm=_ribbons_off(hair, columns, skin),
-        before_eyes=eyes,
-        before_face=face,
-        edge_mm=_edge_height(forehead, off[: len(forehead), -1]),
-    )
+    return {
+        "hair: off the skin, mm": float(np.percentile(off.min(axis=1), 95)),
+        "hair: share before the eyes": eyes,
+        "hair: share before nose and mouth": face,
+        "hair: height of the edge on the forehead, mm": (
+            _edge_height(sampled[:, -1], off[:, -1]) if stands else 0.0
+        ),
+    }
 
 
 def _distances(vertices: NDArray[np.floating], lines: NDArray[np.floating]) -> Points:
     """Return how far the points of lines ``(n, k, 3)`` are from the nearest vertex: ``(n, k)``."""
     tree = cKDTree(vertices, balanced_tree=False, compact_nodes=False)  # few queries: build fast
     return np.asarray(tree.query(lines.reshape(-1, 3))[0].reshape(lines.shape[:2]))
-
-
-def _ribbons_off(
-    hair: NDArray[np.floating], columns: NDArray[np.floating], skin: NDArray[np.floating]
-) -> float:
-    """How far ribbons stay off shell and skin, the 99th percentile of some; 0 without ribbons."""
-    ribbons = hair[COLUMNS * ROWS :]
-    if not len(ribbons):
-        return 0.0
-    some = ribbons.reshape(RIBBONS, -1, 3)[::_EVERY_RIBBON, ::4]
-    bed = np.concatenate([skin, columns[::3, ::3].reshape(-1, 3)])
-    return float(np.percentile(_distances(bed, some).min(axis=1), 99))
 
 
 def _before(
@@ -134,7 +84,7 @@ def _edge_height(tips: NDArray[np.floating], off: Points) -> float:
 @lru_cache(maxsize=1)
 def _scalp_vertices() -> NDArray[np.int64]:
     """Vertices of the coarse head, but for the middle of the face."""
-    vertices = np.unique(coarse_faces())
+    vertices = np.unique(coarse_head().faces)
     skin = template().skin[vertices]
     face = (np.abs(skin[:, 0]) < 50.0) & (skin[:, 1] < 10.0) & (skin[:, 2] > -40.0)
     return np.asarray(vertices[~face])

@@ -1,40 +1,17 @@
-"""Does a head's skin pass through itself? Nose and lips, on every second line of the mesh.
-
-Catmull-Clark leaves the lines of the first round in the mesh of the second, so a quarter of the
-quads, corner by corner, is a coarser head whose vertices lie on the fine one. Two sheets that cross
-deeply enough to be seen cross there too.
-"""
+"""Does a head's skin pass through itself? Nose and lips, on every second line of the mesh."""
 
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from lrsr.identities.face.template import template
-from lrsr.identities.shape.basis import load_basis
-
-Points = NDArray[np.float64]
-Faces = NDArray[np.int64]
+from lrsr.identities.gate.coarse import Faces, Points, coarse_head
 
 _REACH_MM = 2.4
 _APART_MM = 4.0
 _CELL_MM = 1.5
 _LIPS_X_MM = 24.0
-
-
-@lru_cache(maxsize=1)
-def coarse_faces() -> Faces:
-    """Return triangles of the coarse head, vertices at one place under one index: ``(F / 4, 3)``.
-
-    Four quads of the fine mesh in a row make one of the coarse; each starts at one of its corners.
-    """
-    surface = load_basis().surface
-    quads = surface.twin[surface.faces[::2, 0]].reshape(-1, 4)
-    triangles = np.stack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
-    head = np.repeat(surface.region[::2].reshape(-1, 4)[:, 0] == 0, 2)
-    return np.asarray(triangles[head], dtype=np.int64)
 
 
 def edges_cross(one: Points, other: Points) -> NDArray[np.bool_]:
@@ -70,19 +47,15 @@ def edges_cross(one: Points, other: Points) -> NDArray[np.bool_]:
 
 
 def crossing_pairs(
-    vertices: Points,
-    faces: Faces,
-    reach_mm: float = _REACH_MM,
-    usual: Points | None = None,
-    apart_mm: float = 0.0,
+    vertices: Points, faces: Faces, usual: Points, *, reach_mm: float, apart_mm: float
 ) -> Faces:
     """Find pairs of triangles that cross and share no corner.
 
     Args:
         vertices: ``(V, 3)``, mm.
         faces: ``(F, 3)``.
+        usual: ``(F, 3)`` centres of the triangles on the template, mm.
         reach_mm: Only triangles whose centres are nearer than this are compared.
-        usual: ``(F, 3)`` centres of the triangles on the template, mm, or None.
         apart_mm: Only triangles that are as far apart there are compared.
 
     Returns:
@@ -92,9 +65,8 @@ def crossing_pairs(
     low, high = corners.min(axis=1), corners.max(axis=1)
     tree = cKDTree(corners.mean(axis=1), balanced_tree=False, compact_nodes=False)
     pairs = tree.query_pairs(reach_mm, output_type="ndarray")
-    if usual is not None:
-        away = usual[pairs[:, 0]] - usual[pairs[:, 1]]
-        pairs = pairs[np.einsum("nc,nc->n", away, away) >= apart_mm**2]
+    away = usual[pairs[:, 0]] - usual[pairs[:, 1]]
+    pairs = pairs[np.einsum("nc,nc->n", away, away) >= apart_mm**2]
     one, other = pairs[:, 0], pairs[:, 1]
     touching = np.ones(len(pairs), bool)
     for axis in range(3):
@@ -110,10 +82,10 @@ def crossing_pairs(
 @lru_cache(maxsize=1)
 def nose_faces() -> tuple[Faces, Points]:
     """Return the coarse triangles around the nostrils and their centres on the template, mm."""
-    centre = template().skin[coarse_faces()].mean(axis=1)
-    x, y, z = np.abs(centre[:, 0]), centre[:, 1], centre[:, 2]
+    head = coarse_head()
+    x, y, z = head.folded()
     inside = (x < 17.0) & (y > -51.0) & (y < -40.0) & (z > 6.0)
-    return coarse_faces()[inside], centre[inside]
+    return head.faces[inside], head.centres[inside]
 
 
 def count_nose_crossings(skin: Points) -> int:
@@ -125,26 +97,19 @@ def count_nose_crossings(skin: Points) -> int:
         skin: ``(V, 3)`` render vertices, mm.
     """
     faces, usual = nose_faces()
-    return len(crossing_pairs(skin, faces, usual=usual, apart_mm=_APART_MM))
-
-
-class _Lips(NamedTuple):
-    upper: NDArray[np.int64]
-    lower: NDArray[np.int64]
+    return len(crossing_pairs(skin, faces, usual, reach_mm=_REACH_MM, apart_mm=_APART_MM))
 
 
 @lru_cache(maxsize=1)
-def _lips() -> _Lips:
-    """Vertices of the lips' surfaces that face each other on the template, up to their borders."""
-    skin = template().skin
-    faces = coarse_faces()
-    corners = skin[faces]
-    up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 1]
-    centre = corners.mean(axis=1)
-    near = (np.abs(centre[:, 0]) < _LIPS_X_MM) & (centre[:, 2] > -2.0)
-    upper = near & (up < 0) & (centre[:, 1] > -74.0) & (centre[:, 1] < -65.0)
-    lower = near & (up > 0) & (centre[:, 1] < -73.0) & (centre[:, 1] > -81.0)
-    return _Lips(np.unique(faces[upper]), np.unique(faces[lower]))
+def _lips() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Vertices of upper and lower lip that face each other on the template, up to their borders."""
+    head = coarse_head()
+    x, y, z = head.folded()
+    up = head.across[:, 1]
+    near = (x < _LIPS_X_MM) & (z > -2.0)
+    upper = near & (up < 0) & (y > -74.0) & (y < -65.0)
+    lower = near & (up > 0) & (y < -73.0) & (y > -81.0)
+    return np.unique(head.faces[upper]), np.unique(head.faces[lower])
 
 
 def lip_overlap_mm(skin: Points) -> float:
@@ -157,11 +122,11 @@ def lip_overlap_mm(skin: Points) -> float:
     Args:
         skin: ``(V, 3)`` render vertices, mm.
     """
-    lips = _lips()
-    points = np.concatenate([skin[lips.upper], skin[lips.lower]])
+    upper, lower = _lips()
+    points = np.concatenate([skin[upper], skin[lower]])
     cell = np.floor((points[:, [0, 2]] - points[:, [0, 2]].min(axis=0)) / _CELL_MM).astype(np.int64)
     key = cell[:, 0] * (cell[:, 1].max() + 1) + cell[:, 1]
-    n = len(lips.upper)
+    n = len(upper)
     ceiling, floor = np.full(key.max() + 1, np.inf), np.full(key.max() + 1, -np.inf)
     np.minimum.at(ceiling, key[:n], points[:n, 1])
     np.maximum.at(floor, key[n:], points[n:, 1])

@@ -13,7 +13,7 @@ from lrsr.identities.shape.anatomy import Anatomy
 
 PATIENCE = 6
 """Draws that are as wild as the first."""
-DRAWS_OF_A_KIND = 3
+_DRAWS_OF_A_KIND = 3
 """Attempts between which the number of draws that are averaged rises by one."""
 
 
@@ -27,7 +27,7 @@ def draws_averaged(attempt: int) -> int:
         >>> [draws_averaged(attempt) for attempt in (0, 5, 6, 8, 9, 31)]
         [1, 1, 2, 2, 3, 10]
     """
-    return 1 if attempt < PATIENCE else 2 + (attempt - PATIENCE) // DRAWS_OF_A_KIND
+    return 1 if attempt < PATIENCE else 2 + (attempt - PATIENCE) // _DRAWS_OF_A_KIND
 
 
 def mean_anatomy(drawn: Sequence[Anatomy]) -> Anatomy:
@@ -35,12 +35,7 @@ def mean_anatomy(drawn: Sequence[Anatomy]) -> Anatomy:
 
     Args:
         drawn: At least one; a single one is returned as it is.
-
-    Raises:
-        ValueError: There is none.
     """
-    if not drawn:
-        raise ValueError("there is no anatomy to average")
     if len(drawn) == 1:
         return drawn[0]
     return {

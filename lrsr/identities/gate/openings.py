@@ -6,24 +6,23 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.identities.face.eyes import Eyes, cornea_rise, rotation_to
+from lrsr.identities.face.eyes import Eyes, rotation_to
 from lrsr.identities.face.lids import lid_margins
 from lrsr.identities.face.mouth import STRIP_QUADS
 from lrsr.identities.face.template import template
-from lrsr.identities.gate.intersection import coarse_faces
-from lrsr.identities.head import Head
+from lrsr.identities.gate.coarse import coarse_head, coarse_quads, normals
 from lrsr.identities.shape.basis import load_basis
+from lrsr.identities.shape.position_map import twice_area
+from lrsr.identities.shape.subdivision import triangulate
 
 Points = NDArray[np.float64]
 
-IRIS_RAD = 0.37
-"""Half angle of an average iris, seen from the eyeball's centre."""
 _STEPS = 25
 _ROOF = (9.5, -45.0, 16.5)
 _ROOF_SIZE = (5.0, 2.2, 5.0)
 
 
-class EyeOpening(NamedTuple):
+class _EyeOpening(NamedTuple):
     """What shows of one eye.
 
     Attributes:
@@ -62,68 +61,36 @@ def covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
     spans = triangles[..., :2]
     near = ((spans.min(axis=1) <= high) & (spans.max(axis=1) >= low)).all(axis=1)
     a, b, c = (triangles[near, k] for k in range(3))
-    total = _turn(a, b, c)
+    total = twice_area(a, b, c)
     total = np.where(np.abs(total) < 1e-12, np.inf, total)
     p = points[:, None]
-    weights = [_turn(b, c, p) / total, _turn(c, a, p) / total]
+    weights = [twice_area(b, c, p) / total, twice_area(c, a, p) / total]
     weights.append(1.0 - weights[0] - weights[1])
     inside = (np.minimum(np.minimum(*weights[:2]), weights[2]) >= 0.0) & np.isfinite(total)
     depth = sum(w * corner[:, 2] for w, corner in zip(weights, (a, b, c), strict=True))
     return np.asarray((inside & (depth > p[..., 2] + 1e-9)).any(axis=1))
 
 
-def _turn(a: Points, b: Points, c: Points) -> Points:
-    """Twice the area of triangles seen along z, positive when counter-clockwise."""
-    return np.asarray(
-        (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1])
-        - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
-    )
-
-
-def eyes_of(head: Head, rim: NDArray[np.int64]) -> Eyes:
-    """Recover where the eyes of a finished head are and look.
-
-    Args:
-        head: With parts "left_eye" and "right_eye".
-        rim: Vertices of an eyeball on its great circle across the gaze.
-
-    Returns:
-        Eyes in the head's frame.
-    """
-    circles = np.stack(
-        [head.part(name).vertices[rim].astype(np.float64) for name in ("left_eye", "right_eye")]
-    )
-    centres = circles.mean(axis=1)
-    radii = np.linalg.norm(circles - centres[:, None], axis=2).mean(axis=1)
-    gazes = head.pupils - centres
-    return Eyes(centres, radii, gazes / np.linalg.norm(gazes, axis=1, keepdims=True))
-
-
-def measure_eyes(
-    skin: Points, eyes: Eyes, iris_rad: float = IRIS_RAD
-) -> tuple[EyeOpening, EyeOpening]:
+def measure_eyes(skin: Points, eyes: Eyes, iris_rad: float) -> tuple[_EyeOpening, _EyeOpening]:
     """Measure what the lids leave open, the left eye in the image first.
 
     Args:
         skin: ``(V, 3)`` render vertices, mm.
         eyes: In the same axes.
-        iris_rad: Half angle of the iris.
+        iris_rad: Half angle of the iris, seen from the eyeball's centre.
     """
     lids = template().lids
     margins = lid_margins(skin, eyes, lids)
     both = []
     for which in (0, 1):
         offset = skin[lids.vertices[which]] - eyes.centres[which]
-        above = np.linalg.norm(offset, axis=1) - _eye_radius(offset, eyes, which)
+        above = np.linalg.norm(offset, axis=1) - eyes.surface_mm(which, offset)
         over = (offset[:, 2] > 0.0) & (lids.distances[which] >= 1.0)
         rim = _lid_rim(which)
         upper, lower = margins[which]
-        hidden = covered(
-            _iris_line(eyes, which, iris_rad),
-            skin[_lid_faces(which)],
-        )
+        hidden = covered(_iris_line(eyes, which, iris_rad), skin[_lid_faces(which)])
         both.append(
-            EyeOpening(
+            _EyeOpening(
                 iris_share=float(1.0 - hidden.mean()),
                 pupil_free=not hidden[_STEPS // 2],
                 height_mm=float(np.linalg.norm(upper - lower, axis=1).max()),
@@ -133,13 +100,6 @@ def measure_eyes(
             )
         )
     return both[0], both[1]
-
-
-def _eye_radius(offset: Points, eyes: Eyes, which: int) -> Points:
-    """How far the surface of an eye, cornea included, is from its centre in some directions, mm."""
-    length = np.maximum(np.linalg.norm(offset, axis=1), 1e-9)
-    angle = np.arccos(np.clip(offset @ eyes.gazes[which] / length, -1.0, 1.0))
-    return np.asarray(eyes.radii[which] * (1.0 + cornea_rise(angle)))
 
 
 def _iris_line(eyes: Eyes, which: int, iris_rad: float) -> Points:
@@ -161,11 +121,10 @@ def _lid_rim(which: int) -> NDArray[np.bool_]:
 @lru_cache(maxsize=2)
 def _lid_faces(which: int) -> NDArray[np.int64]:
     """Triangles that could hide the iris of an eye: near a vertical through the pupil."""
-    head, skin, eyes = template(), template().skin, template().eyes
-    faces = coarse_faces()
-    near = np.zeros(len(skin), bool)
-    near[head.lids.vertices[which]] = True
-    near &= (np.abs(skin[:, 0] - eyes.pupils[which, 0]) < 4.0) & (skin[:, 2] > -14.0)
+    average, faces = template(), coarse_head().faces
+    x, z = average.skin[:, 0], average.skin[:, 2]
+    near = (np.abs(x - average.eyes.pupils[which, 0]) < 4.0) & (z > -14.0)
+    near &= np.isin(np.arange(len(x)), average.lids.vertices[which])
     return np.asarray(faces[near[faces].any(axis=1)])
 
 
@@ -182,17 +141,13 @@ def nostril_area_mm2(skin: Points) -> float:
 @lru_cache(maxsize=1)
 def _nostril_faces() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Triangles of the roofs of the nostrils, and those of the nose that could hide them."""
-    faces = coarse_faces()
-    corners = template().skin[faces]
-    centre = corners.mean(axis=1)
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    downwards = across[:, 1] < -0.5 * np.linalg.norm(across, axis=1)
-    offset = (np.abs(centre[:, 0]) - _ROOF[0], centre[:, 1] - _ROOF[1], centre[:, 2] - _ROOF[2])
-    squares = [(o / size) ** 2 for o, size in zip(offset, _ROOF_SIZE, strict=True)]
-    roof = np.sum(squares, axis=0) < 1.0
-    below = (centre[:, 1] < -38.0) & (centre[:, 1] > -50.0) & (np.abs(centre[:, 0]) < 16.0)
-    around = below & (centre[:, 2] > 16.0) & (across[:, 2] > 0)
-    return faces[roof & downwards], faces[around]
+    head = coarse_head()
+    x, y, z = head.folded()
+    downwards = head.across[:, 1] < -0.5 * np.linalg.norm(head.across, axis=1)
+    offset = np.stack([x, y, z], axis=1) - _ROOF
+    roof = ((offset / _ROOF_SIZE) ** 2).sum(axis=1) < 1.0
+    around = (y < -38.0) & (y > -50.0) & (x < 16.0) & (z > 16.0) & (head.across[:, 2] > 0)
+    return head.faces[roof & downwards], head.faces[around]
 
 
 def mouth_area_mm2(skin: Points) -> float:
@@ -213,13 +168,9 @@ def mouth_area_mm2(skin: Points) -> float:
 @lru_cache(maxsize=1)
 def _mouth_faces() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Triangles of the strip that closes the mouth, and those of the lips that should hide it."""
-    surface = load_basis().surface
-    quads = surface.twin[surface.faces[::2, 0]].reshape(-1, 4).astype(np.int64)
+    quads = coarse_quads()
     n_strip = STRIP_QUADS * len(quads) // len(load_basis().quads)
-    strip, lips = (
-        np.concatenate([some[:, [0, 1, 2]], some[:, [0, 2, 3]]])
-        for some in (quads[-n_strip:], quads[:-n_strip])
-    )
+    strip, lips = triangulate(quads[-n_strip:]), triangulate(quads[:-n_strip])
     centre = template().skin[lips].mean(axis=1)
     near = (np.abs(centre[:, 0]) < 34.0) & (np.abs(centre[:, 1] + 73.0) < 19.0)
     return strip, lips[near & (centre[:, 2] > -12.0)]
@@ -232,7 +183,7 @@ def _seen_area_mm2(corners: Points, before: Points) -> float:
         corners: ``(n, 3, 3)``, mm.
         before: ``(m, 3, 3)``, mm, of what may hide them.
     """
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    across = normals(corners)
     facing = np.flatnonzero(across[:, 2] > 0.0)
     if not facing.size:
         return 0.0

@@ -1,36 +1,33 @@
-"""Could this head be an adult's? Proportions, eyes, nose, skin, hair and colour, with their limits.
+"""Could this head be an adult's? Proportions, eyes, nose, lips, skin and hair, with their limits.
 
 A gate, not a judge of beauty: limits are those of human beings where the literature has them, else
 what a mesh may do before it shows. :func:`lrsr.identities.morphable.sample_head` redraws a head
-whose geometry fails; colour is judged but draws nothing again, because it depends on the size of
-the texture, and a seed must stand for the same person at every size.
+whose geometry fails.
 """
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.errors import InputError, NonFiniteError
-from lrsr.identities.face.eyes import Eyes, unit_ball
-from lrsr.identities.face.template import template
-from lrsr.identities.gate import anthropometry
-from lrsr.identities.gate.anthropometry import PROPORTIONS, SIGMA_Z_LIMIT, Sex
-from lrsr.identities.gate.blotches import measure_paint
+from lrsr.identities.face.eyes import Eyes
+from lrsr.identities.gate.anthropometry import (
+    PROPORTIONS,
+    SIGMA_Z_LIMIT,
+    Sex,
+    limits,
+    measure_crookedness,
+    measure_lengths,
+    nose_depth_mm,
+    proportions,
+    sigma_z,
+    z_scores,
+)
 from lrsr.identities.gate.folds import measure_folds
 from lrsr.identities.gate.hair_fit import measure_hair
 from lrsr.identities.gate.intersection import count_nose_crossings, lip_overlap_mm
-from lrsr.identities.gate.openings import (
-    IRIS_RAD,
-    eyes_of,
-    measure_eyes,
-    mouth_area_mm2,
-    nostril_area_mm2,
-)
-from lrsr.identities.head import Head
+from lrsr.identities.gate.openings import measure_eyes, mouth_area_mm2, nostril_area_mm2
 
 Points = NDArray[np.float64]
 
@@ -62,21 +59,11 @@ LIMITS: dict[str, tuple[float, float]] = {
     "skin: share of triangles crushed": (0.0, 0.002),
     # Hair gives the crown up to 2 cm of volume; a soft edge lies flat.
     "hair: off the skin, mm": (0.0, 22.0),
-    "hair: ribbons off skin and shell, mm": (0.0, 14.0),
     "hair: share before the eyes": (0.0, 0.002),
     "hair: share before nose and mouth": (0.0, 0.002),
     "hair: height of the edge on the forehead, mm": (0.0, 14.0),
-    "colour: lowest reflectance": (0.002, 0.95),
-    "colour: highest reflectance": (0.002, 0.95),
-    "colour: dark share of the cheeks": (0.0, 0.06),
-    "colour: dark share of the nose": (0.0, 0.06),
-    "colour: dark share of the forehead": (0.0, 0.25),
 }
 """Lowest and highest value of each test but the proportions'."""
-
-RELIEF_LEEWAY = 0.05
-"""Wrinkles move the skin, landmarks included, by up to half a millimetre: this share of the width
-between two limits is added to both for a head that has them."""
 
 
 @dataclass(frozen=True)
@@ -88,14 +75,17 @@ class Verdict:
         value: The measure.
         low: Least value that passes.
         high: Greatest value that passes.
-        passed: Whether it lies within; NaN does not.
     """
 
     name: str
     value: float
     low: float
     high: float
-    passed: bool
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value lies within; NaN does not."""
+        return bool(self.low <= self.value <= self.high)
 
     @property
     def excess(self) -> float:
@@ -131,160 +121,76 @@ class Plausibility:
         """By how much all tests together are missed; 0 if none is."""
         return sum(verdict.excess for verdict in self.verdicts)
 
-    def as_json(self) -> dict[str, Any]:
-        """Return plain values: ``passed`` and ``verdicts``, a list of mappings."""
-        return {"passed": self.passed, "verdicts": [asdict(v) for v in self.verdicts]}
 
-
-def check_plausibility(head: Head) -> Plausibility:
-    """Judge a finished head with a neutral face.
-
-    Its shape passes within :data:`RELIEF_LEEWAY` of the limits that :func:`check_face` and
-    :func:`check_hair` hold a face without wrinkles to.
-
-    Args:
-        head: Of the morphable topology; its parameters say "sex", without it both sexes' limits
-            hold together, and may hold "appearance" and "hair".
-
-    Returns:
-        One verdict per test.
-
-    Raises:
-        InputError: The skin is not of the template's topology.
-    """
-    skin = np.asarray(head.part("skin").vertices, dtype=np.float64)
-    face = check_face(skin, eyes_of(head, _EYE_RIM), head.parameters)
-    hair = check_hair(head.part("hair").vertices, skin, head.pupils, head.parameters)
-    paint = measure_paint(head.part("skin").albedo)
-    colours = {
-        "colour: lowest reflectance": paint.lowest,
-        "colour: highest reflectance": paint.highest,
-        "colour: dark share of the cheeks": paint.dark_cheeks,
-        "colour: dark share of the nose": paint.dark_nose,
-        "colour: dark share of the forehead": paint.dark_forehead,
-    }
-    shape = (_with_leeway(verdict) for verdict in (*face.verdicts, *hair.verdicts))
-    return Plausibility((*shape, *_judge_all(colours)))
-
-
-def check_face(skin: Points, eyes: Eyes, parameters: Mapping[str, Any]) -> Plausibility:
+def check_face(skin: Points, eyes: Eyes, sex: Sex, iris_rad: float) -> Plausibility:
     """Judge the shape of a face alone, before anything costly is made of it.
 
     Args:
         skin: ``(V, 3)`` render vertices, head frame, mm.
         eyes: In the same frame.
-        parameters: Of the head; see :func:`check_plausibility`.
+        sex: Whose proportions are the norm.
+        iris_rad: Half angle of the iris, seen from the eyeball's centre.
 
     Returns:
         Verdicts on proportions, eyes, nose, lips and the mesh of the face.
-
-    Raises:
-        InputError: The skin is not of the template's topology.
-        NonFiniteError: A coordinate is NaN or infinite.
     """
-    if skin.shape != template().skin.shape:
-        raise InputError(
-            f"plausibility is judged on {len(template().skin)} vertices of the template's skin, got"
-            f" an array of shape {skin.shape}: give a head of lrsr.identities.morphable"
-        )
-    if not np.isfinite(skin).all():
-        raise NonFiniteError("a vertex of the skin is not finite: plausibility cannot be judged")
-    iris = parameters.get("appearance", {}).get("iris", {}).get("half_angle_rad", IRIS_RAD)
-    shape = _judge_all(dict(_face_measures(skin, eyes, iris)))
-    return Plausibility((*_check_proportions(skin, eyes, parameters.get("sex")), *shape))
+    measured = {
+        **_measure_eyes(skin, eyes, iris_rad),
+        "nose: nostrils seen from in front, mm^2": nostril_area_mm2(skin),
+        "nose: walls that cross, pairs": float(count_nose_crossings(skin)),
+        "nose: tip before the wings, mm": nose_depth_mm(skin),
+        "mouth: lips pressed into each other, mm": lip_overlap_mm(skin),
+        "mouth: inside seen from in front, mm^2": mouth_area_mm2(skin),
+        **measure_crookedness(skin),
+        **measure_folds(skin),
+    }
+    return Plausibility((*_check_proportions(skin, eyes, sex), *_judge(measured)))
 
 
 def check_hair(
-    hair: NDArray[np.floating],
-    skin: NDArray[np.floating],
-    pupils: Points,
-    parameters: Mapping[str, Any],
+    hair: NDArray[np.floating], skin: NDArray[np.floating], pupils: Points, *, stands: bool
 ) -> Plausibility:
-    """Judge how hair sits on a head.
-
-    Args:
-        hair: ``(N, 3)`` vertices of the part "hair", mm, or of its shell alone.
-        skin: ``(V, 3)`` render vertices, mm.
-        pupils: ``(2, 3)``, mm.
-        parameters: Of the head; ``parameters["hair"]["sunk_mm"]`` > 0 says that there is no hair.
-    """
-    stands = not parameters.get("hair", {}).get("sunk_mm", 0.0) > 0.0
-    fit = measure_hair(hair, skin, pupils, stands=stands)
-    measured = {
-        "hair: off the skin, mm": fit.off_skin_mm,
-        "hair: ribbons off skin and shell, mm": fit.ribbons_off_mm,
-        "hair: share before the eyes": fit.before_eyes,
-        "hair: share before nose and mouth": fit.before_face,
-        "hair: height of the edge on the forehead, mm": fit.edge_mm,
-    }
-    return Plausibility(tuple(_judge_all(measured)))
+    """Judge how hair sits on a head; see :func:`lrsr.identities.gate.hair_fit.measure_hair`."""
+    return Plausibility(_judge(measure_hair(hair, skin, pupils, stands=stands)))
 
 
-_EYE_RIM = np.flatnonzero(np.abs(unit_ball().vertices[:, 2]) < 1e-9)
-
-
-def _face_measures(skin: Points, eyes: Eyes, iris_rad: float) -> Iterator[tuple[str, float]]:
-    """Measure eyes, nose, lips and the mesh; of both eyes the worse counts."""
+def _measure_eyes(skin: Points, eyes: Eyes, iris_rad: float) -> dict[str, float]:
+    """Measure both eyes; the worse counts."""
     both = measure_eyes(skin, eyes, iris_rad)
-    shares = [eye.iris_share for eye in both]
-    low, high = LIMITS["eye: visible share of the iris"]
-    yield "eye: visible share of the iris", _farther(shares, (low + high) / 2)
-    yield "eye: middle of the pupil free", float(min(eye.pupil_free for eye in both))
-    low, high = LIMITS["eye: opening, mm"]
     heights = [eye.height_mm for eye in both]
-    yield "eye: opening, mm", _farther(heights, (low + high) / 2)
-    yield "eye: lids crossed, mm", max(eye.crossed_mm for eye in both)
-    yield "eye: pierced by skin, mm", max(eye.pierced_mm for eye in both)
-    yield "eye: gap to the lids, mm", max(eye.gap_mm for eye in both)
-    yield "eyes: difference of openings, mm", abs(heights[0] - heights[1])
-    yield "nose: nostrils seen from in front, mm^2", nostril_area_mm2(skin)
-    yield "nose: walls that cross, pairs", float(count_nose_crossings(skin))
-    yield "nose: tip before the wings, mm", anthropometry.nose_depth_mm(skin)
-    yield "mouth: lips pressed into each other, mm", lip_overlap_mm(skin)
-    yield "mouth: inside seen from in front, mm^2", mouth_area_mm2(skin)
-    crooked = anthropometry.measure_crookedness(skin)
-    yield "crooked: cant of the mouth, degrees", crooked.mouth_deg
-    yield "crooked: mouth off the middle, mm", crooked.mouth_mm
-    yield "crooked: nose tip off the middle, mm", crooked.nose_mm
-    yield "crooked: chin off the middle, mm", crooked.chin_mm
-    folds = measure_folds(skin)
-    yield "skin: share of triangles turned over", folds.turned_share
-    yield "skin: share of triangles crushed", folds.crushed_share
+    return {
+        "eye: visible share of the iris": _farther(
+            [eye.iris_share for eye in both], *LIMITS["eye: visible share of the iris"]
+        ),
+        "eye: middle of the pupil free": float(min(eye.pupil_free for eye in both)),
+        "eye: opening, mm": _farther(heights, *LIMITS["eye: opening, mm"]),
+        "eye: lids crossed, mm": max(eye.crossed_mm for eye in both),
+        "eye: pierced by skin, mm": max(eye.pierced_mm for eye in both),
+        "eye: gap to the lids, mm": max(eye.gap_mm for eye in both),
+        "eyes: difference of openings, mm": abs(heights[0] - heights[1]),
+    }
 
 
-def _farther(values: list[float], middle: float) -> float:
-    return max(values, key=lambda value: abs(value - middle))
+def _farther(values: list[float], low: float, high: float) -> float:
+    """Return the value that is farther from the middle between two limits."""
+    return max(values, key=lambda value: abs(value - (low + high) / 2))
 
 
-def _check_proportions(skin: Points, eyes: Eyes, sex: object) -> Iterator[Verdict]:
-    """Judge every proportion by the norms of the head's sex, and all of them together."""
-    pupils = eyes.pupils
-    lengths = anthropometry.measure_lengths(skin, float(np.linalg.norm(pupils[1] - pupils[0])))
-    measured = anthropometry.proportions(lengths)
-    sexes: tuple[Sex, ...] = ("male",) if sex == "male" else ("female",)
-    if sex not in ("female", "male"):
-        sexes = ("female", "male")
-    for proportion in PROPORTIONS:
-        bounds = [anthropometry.limits(proportion, which) for which in sexes]
-        unit = "%" if proportion.whole else "mm"
-        yield _judge(
-            f"proportion: {proportion.name}, {unit}",
+def _check_proportions(skin: Points, eyes: Eyes, sex: Sex) -> tuple[Verdict, ...]:
+    """Judge every proportion by the norms of a sex, and all of them together."""
+    left, right = eyes.pupils
+    measured = proportions(measure_lengths(skin, float(np.linalg.norm(right - left))))
+    single = (
+        Verdict(
+            f"proportion: {proportion.name}, {'%' if proportion.whole else 'mm'}",
             measured[proportion.name],
-            min(low for low, _ in bounds),
-            max(high for _, high in bounds),
+            *limits(proportion, sex),
         )
-    spread = min(anthropometry.sigma_z(anthropometry.z_scores(measured, which)) for which in sexes)
-    yield _judge("proportions: sigma z", spread, 0.0, SIGMA_Z_LIMIT)
+        for proportion in PROPORTIONS
+    )
+    spread = sigma_z(z_scores(measured, sex))
+    return (*single, Verdict("proportions: sigma z", spread, 0.0, SIGMA_Z_LIMIT))
 
 
-def _judge_all(measured: Mapping[str, float]) -> list[Verdict]:
-    return [_judge(name, value, *LIMITS[name]) for name, value in measured.items()]
-
-
-def _with_leeway(verdict: Verdict) -> Verdict:
-    more = RELIEF_LEEWAY * (verdict.high - verdict.low)
-    return _judge(verdict.name, verdict.value, verdict.low - more, verdict.high + more)
-
-
-def _judge(name: str, value: float, low: float, high: float) -> Verdict:
-    return Verdict(name, float(value), low, high, bool(low <= value <= high))
+def _judge(measured: dict[str, float]) -> tuple[Verdict, ...]:
+    return tuple(Verdict(name, value, *LIMITS[name]) for name, value in measured.items())

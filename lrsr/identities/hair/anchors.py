@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from lrsr.errors import InputError
 from lrsr.paths import asset
 
 Floats = NDArray[np.float64]
@@ -45,11 +44,6 @@ class Anchors:
     ears: NDArray[np.int32]
     template: Floats
 
-    @property
-    def vertex_count(self) -> int:
-        """Number of skin vertices that the chart was built for."""
-        return int(self.matrix.shape[1])
-
     def locate(self, skin_vertices: NDArray[np.float32]) -> Floats:
         """Return the chart of one head.
 
@@ -58,15 +52,7 @@ class Anchors:
 
         Returns:
             ``(AZIMUTHS, POLARS, 3)``, mm; azimuth 0 is the face, 90 degrees the subject's left.
-
-        Raises:
-            InputError: The vertices are not of the template's topology.
         """
-        if skin_vertices.shape != (self.vertex_count, 3):
-            raise InputError(
-                f"hair needs the {self.vertex_count} vertices of the template's skin, got an array"
-                f" of shape {skin_vertices.shape}: give the subdivided skin of a morphable head"
-            )
         points: Floats = self.matrix @ np.asarray(skin_vertices, dtype=np.float64)
         return points.reshape(AZIMUTHS, POLARS, 3)
 
@@ -75,14 +61,8 @@ def chart_directions() -> Floats:
     """Return the rays of the chart, ``(AZIMUTHS, POLARS, 3)`` unit vectors."""
     azimuth = np.deg2rad(np.arange(AZIMUTHS) * 360.0 / AZIMUTHS)[:, None]
     polar = np.deg2rad(np.arange(POLARS) * POLAR_STEP_DEG)[None, :]
-    return np.stack(
-        [
-            np.sin(azimuth) * np.sin(polar),
-            np.broadcast_to(np.cos(polar), (AZIMUTHS, POLARS)),
-            np.cos(azimuth) * np.sin(polar),
-        ],
-        axis=-1,
-    )
+    x, z = np.sin(azimuth) * np.sin(polar), np.cos(azimuth) * np.sin(polar)
+    return np.stack([x, np.broadcast_to(np.cos(polar), x.shape), z], axis=-1)
 
 
 def chart_angles(points: NDArray[np.floating[Any]]) -> tuple[Floats, Floats]:
@@ -111,9 +91,6 @@ def build_anchors(
         vertices: ``(V, 3)`` skin of the template, head frame, mm.
         faces: ``(F, 3)`` triangles.
         ear_vertices: Indices of the vertices of the ears, whose triangles no ray may meet.
-
-    Raises:
-        InputError: Some polar circle of the chart meets the skin nowhere.
     """
     is_ear = np.zeros(len(vertices), dtype=bool)
     is_ear[ear_vertices] = True
@@ -121,8 +98,6 @@ def build_anchors(
     rays = chart_directions().reshape(-1, 3)
     triangle, weights = _outermost_hits(vertices, skull, rays)
     hit = (triangle >= 0).reshape(AZIMUTHS, POLARS)
-    if not hit.any(axis=0).all():
-        raise InputError("the template's skull is open: no ray meets it on some polar circle")
     index = np.repeat(np.arange(len(rays)), 3)
     found = sparse.csr_matrix(
         (weights.ravel(), (index, skull[np.maximum(triangle, 0)].ravel())),
@@ -139,7 +114,7 @@ def anchor_arrays(anchors: Anchors) -> dict[str, NDArray[Any]]:
         "data": anchors.matrix.data.astype(np.float32),
         "indices": anchors.matrix.indices.astype(np.int32),
         "indptr": anchors.matrix.indptr.astype(np.int32),
-        "vertex_count": np.array(anchors.vertex_count),
+        "vertex_count": np.array(anchors.matrix.shape[1]),
         "ears": anchors.ears,
         "template": anchors.template.astype(np.float32),
     }
@@ -188,19 +163,14 @@ def _outermost_hits(
 
 def _filling(hit: NDArray[np.bool_]) -> Any:
     """Return the sparse matrix that interpolates missing chart points along the azimuth."""
-    rows: list[int] = []
-    columns: list[int] = []
-    values: list[float] = []
+    azimuth = np.arange(AZIMUTHS)
+    before, after = np.empty(hit.shape, np.intp), np.empty(hit.shape, np.intp)
     for polar in range(POLARS):
         good = np.flatnonzero(hit[:, polar])
-        for azimuth in range(AZIMUTHS):
-            row = azimuth * POLARS + polar
-            after = good[np.searchsorted(good, azimuth) % len(good)]
-            before = good[np.searchsorted(good, azimuth, side="right") - 1]
-            gap = (after - before) % AZIMUTHS
-            share = 0.0 if gap == 0 else ((azimuth - before) % AZIMUTHS) / gap
-            rows += [row, row]
-            columns += [int(before) * POLARS + polar, int(after) * POLARS + polar]
-            values += [1.0 - share, share]
-    size = hit.size
-    return sparse.csr_matrix((values, (rows, columns)), shape=(size, size))
+        after[:, polar] = good[np.searchsorted(good, azimuth) % len(good)]
+        before[:, polar] = good[np.searchsorted(good, azimuth, side="right") - 1]
+    share = (azimuth[:, None] - before) % AZIMUTHS / np.maximum((after - before) % AZIMUTHS, 1)
+    columns = np.concatenate([before, after]) * POLARS + np.arange(POLARS)
+    rows = np.tile(np.arange(hit.size), 2)
+    values = np.concatenate([1.0 - share, share]).ravel()
+    return sparse.csr_matrix((values, (rows, columns.ravel())), shape=(hit.size, hit.size))

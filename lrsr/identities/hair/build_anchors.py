@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.files import replacing
 from lrsr.identities.face.template import template
 from lrsr.identities.hair.anchors import ASSET_NAME, Anchors, anchor_arrays, build_anchors
 from lrsr.identities.shape.basis import Basis, load_basis
+from lrsr.identities.shape.build_basis import write
 from lrsr.paths import PACKAGE
 
-EAR_MOTION_MM = 7.5
+_EAR_MOTION_MM = 7.5
 """A vertex belongs to an ear when the ear targets, at full strength, move it by more than this."""
 
 _EAR_SLIDERS = (
@@ -37,7 +37,7 @@ def find_ears(basis: Basis) -> NDArray[np.int32]:
         weights[basis.column[f"ears/{slider}/+"]] = 1.0
         offset = (basis.fields @ weights).reshape(-1, 3)[: basis.n_skin]
         motion = np.maximum(motion, np.linalg.norm(offset, axis=1))
-    return np.flatnonzero(basis.surface.matrix @ motion > EAR_MOTION_MM).astype(np.int32)
+    return np.flatnonzero(basis.surface.matrix @ motion > _EAR_MOTION_MM).astype(np.int32)
 
 
 def make_anchors() -> Anchors:
@@ -50,10 +50,7 @@ def make_anchors() -> Anchors:
 
 def main() -> int:
     """Write the asset."""
-    path = Path(PACKAGE) / "assets" / ASSET_NAME
-    anchors = make_anchors()
-    with replacing(path) as unfinished, unfinished.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **anchor_arrays(anchors))
+    write(anchor_arrays(make_anchors()), Path(PACKAGE) / "assets" / ASSET_NAME)
     return 0
 
 

@@ -6,12 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.errors import InputError
 from lrsr.identities.hair.styles import STYLES, style_parameters
 from lrsr.identities.ramp import smoothstep
-from lrsr.identities.skin.hair_colour import HairColour, hair_rgb, sample_hair_colour
-
-ANCESTRIES = ("african", "asian", "caucasian")
+from lrsr.identities.skin.hair_colour import HairColour, hair_rgb
 
 # Weights of the styles: (men, women). Ancestry and age change them in _style_weights.
 _WEIGHTS: dict[str, tuple[float, float]] = {
@@ -44,7 +41,7 @@ def sample_hair(
     masculinity: float,
     age: float,
     ancestry: Mapping[str, float],
-    colour: HairColour | None = None,
+    colour: HairColour,
 ) -> dict[str, Any]:
     """Draw the hair of one person.
 
@@ -52,18 +49,16 @@ def sample_hair(
         rng: The only source of chance.
         masculinity: 0 (female) to 1 (male).
         age: 0 (25 years) to 1 (old).
-        ancestry: Shares of "african", "asian" and "caucasian", any positive sum.
-        colour: The person's hair pigments; drawn here when not given.
+        ancestry: Shares of "african", "asian" and "caucasian", summing to 1.
+        colour: The person's hair pigments.
 
     Returns:
         Plain numbers, strings and lists: ``style``, ``hair_colour`` (pigmented strands, linear RGB,
         0..1), ``grey`` (share of grey strands, 0..1) and the numbers of the style.
-
-    Raises:
-        InputError: The ancestry has no share of any known kind.
     """
-    shares = _shares(ancestry)
-    weights = _style_weights(masculinity, age, shares)
+    total = sum(ancestry.values())  # rounding may have left a little more or less than 1
+    african, asian = ancestry["african"] / total, ancestry["asian"] / total
+    weights = _style_weights(masculinity, age, african, asian)
     style = STYLES[int(rng.choice(len(STYLES), p=weights))]
     parameters = style_parameters(style, rng)
     male = _sex(masculinity)
@@ -74,17 +69,9 @@ def sample_hair(
     if style not in ("receding", "horseshoe"):
         parameters["hairline_deg"] += 7.0 * ageing * float(rng.uniform(0.2, 1.0))
         parameters["recession_deg"] += 14.0 * ageing * float(rng.uniform(0.0, 1.0)) + 2.0 * male
-    curliness = shares["african"]
     if style not in ("shaved", "afro"):
         for key, gain in (("curl_mm", 2.5), ("clump_mm", 0.8), ("wave_mm", 1.5)):
-            parameters[key] += gain * curliness * float(rng.uniform(0.4, 1.0))
-    if colour is None:
-        colour = sample_hair_colour(
-            rng,
-            age=age,
-            ancestry=[shares[name] for name in ANCESTRIES],
-            masculinity=masculinity,
-        )
+            parameters[key] += gain * african * float(rng.uniform(0.4, 1.0))
     return parameters | colour_parameters(colour)
 
 
@@ -101,38 +88,27 @@ def _sex(masculinity: float) -> float:
     return float(smoothstep(0.3, 0.7, np.asarray(masculinity)))
 
 
-def _shares(ancestry: Mapping[str, float]) -> dict[str, float]:
-    total = sum(float(ancestry.get(name, 0.0)) for name in ANCESTRIES)
-    if not total > 0:
-        raise InputError(f"ancestry {dict(ancestry)} has no share of {', '.join(ANCESTRIES)}")
-    return {name: float(ancestry.get(name, 0.0)) / total for name in ANCESTRIES}
-
-
 def _style_weights(
-    masculinity: float, age: float, shares: Mapping[str, float]
+    masculinity: float, age: float, african: float, asian: float
 ) -> NDArray[np.float64]:
     male = _sex(masculinity)
     weights = {s: male * men + (1.0 - male) * women for s, (men, women) in _WEIGHTS.items()}
-    african, asian = shares["african"], shares["asian"]
     weights["afro"] *= 0.15 + 9.0 * african**2
     weights["curly"] *= 0.5 + 2.2 * african + 0.3 * (1.0 - asian)
-    for style in ("buzz", "shaved"):
-        weights[style] *= 1.0 + 0.8 * african
-    for style in ("side_parting", "quiff", "curtain", "long_straight", "fringe", "bob", "tucked"):
-        weights[style] *= 1.0 - 0.65 * african
-    for style in ("fringe", "long_straight"):
-        weights[style] *= 1.0 + 0.5 * asian
-    for style in ("receding", "horseshoe"):
-        weights[style] *= 0.1 + 2.4 * age
-    for style in ("pixie", "bob"):
-        weights[style] *= 1.0 + 1.2 * age
-    for style in ("pulled_back", "curly"):
-        weights[style] *= 1.0 + 0.8 * age
-    for style in ("fringe", "long_straight"):
-        weights[style] *= 1.3 - 1.15 * age
-    for style in ("long_wavy", "tucked"):
-        weights[style] *= 1.2 - 0.7 * age
-    for style in ("quiff", "curtain", "afro", "long_wavy"):
-        weights[style] *= 1.3 - age
+    factors = (
+        (1.0 + 0.8 * african, ("buzz", "shaved")),
+        (1.0 - 0.65 * african, ("side_parting", "quiff", "curtain", "bob", "tucked")),
+        (1.0 - 0.65 * african, ("long_straight", "fringe")),
+        (1.0 + 0.5 * asian, ("fringe", "long_straight")),
+        (0.1 + 2.4 * age, ("receding", "horseshoe")),
+        (1.0 + 1.2 * age, ("pixie", "bob")),
+        (1.0 + 0.8 * age, ("pulled_back", "curly")),
+        (1.3 - 1.15 * age, ("fringe", "long_straight")),
+        (1.2 - 0.7 * age, ("long_wavy", "tucked")),
+        (1.3 - age, ("quiff", "curtain", "afro", "long_wavy")),
+    )
+    for factor, styles in factors:
+        for style in styles:
+            weights[style] *= factor
     values: NDArray[np.float64] = np.array([weights[s] for s in STYLES])
     return np.asarray(values / values.sum())

@@ -3,7 +3,7 @@
 A shell of combed strands (:mod:`~lrsr.identities.hair.shell`) carries thin ribbons
 (:mod:`~lrsr.identities.hair.strands`) that break its outline and its hairline; a shaved head keeps
 the mesh, sunk below the skin. The skin under the hair is painted with the hair's colour
-(:func:`scalp_mask`, :func:`mean_colour`), so that a hairline fades and leaves no dark gap.
+(:mod:`~lrsr.identities.hair.scalp`), so that a hairline fades and leaves no dark gap.
 """
 
 from collections.abc import Mapping
@@ -13,61 +13,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.identities.hair.anchors import load_anchors
-from lrsr.identities.hair.choice import colour_parameters, sample_hair
 from lrsr.identities.hair.paths import COLUMNS
-from lrsr.identities.hair.scalp import Scalp, hairline_polar, scalp_mask
-from lrsr.identities.hair.shell import ROWS, lay_shell, shell_rows
+from lrsr.identities.hair.shell import ROWS, lay_shell, shell_rows, strand_stream
 from lrsr.identities.hair.strands import lay_strands, strand_faces, strand_uv
-from lrsr.identities.hair.styles import STYLES, style_parameters
-from lrsr.identities.hair.texture import SHELL_COLUMNS, TEXTURE_SHAPE, hair_texture, mean_colour
+from lrsr.identities.hair.texture import SHELL_COLUMNS, TEXTURE_SHAPE, hair_texture
 from lrsr.identities.head import Part
-
-__all__ = [
-    "STYLES",
-    "TEXTURE_SHAPE",
-    "Scalp",
-    "build_hair",
-    "colour_parameters",
-    "hair_faces",
-    "hair_texture",
-    "hair_uv",
-    "hairline_polar",
-    "mean_colour",
-    "sample_hair",
-    "scalp_mask",
-    "style_parameters",
-]
 
 
 def build_hair(
-    parameters: Mapping[str, Any], skin_vertices: NDArray[np.float32], seed: int = 0
+    parameters: Mapping[str, Any], skin_vertices: NDArray[np.float32], seed: int
 ) -> Part:
     """Grow one head of hair.
 
     Args:
-        parameters: From :func:`sample_hair` or :func:`style_parameters` (with a colour).
+        parameters: From :func:`lrsr.identities.hair.choice.sample_hair`.
         skin_vertices: ``(V, 3)`` subdivided skin of the head, mm, in the template's topology.
         seed: Of strands, clumps and ragged edges.
 
     Returns:
         The part "hair"; its faces, uv and texture size are the same for all heads.
-
-    Raises:
-        InputError: The skin is not of the template's topology.
     """
-    rng = np.random.default_rng([seed, 3])
-    shell = lay_shell(parameters, load_anchors(), skin_vertices, rng)
+    rng = strand_stream(seed)
+    shell = lay_shell(parameters, skin_vertices, rng)
     strands = lay_strands(parameters, shell, rng)
-    vertices = np.concatenate([shell.points[:, :ROWS].reshape(-1, 3), strands.reshape(-1, 3)])
-    return Part(
-        name="hair",
-        material="hair",
-        vertices=vertices.astype(np.float32),
-        faces=hair_faces(),
-        uv=hair_uv(),
-        albedo=hair_texture(parameters, seed),
-    )
+    vertices = np.concatenate([shell.vertices, strands.reshape(-1, 3)])
+    texture = hair_texture(parameters, seed)
+    return Part("hair", "hair", vertices.astype(np.float32), hair_faces(), hair_uv(), texture)
 
 
 @lru_cache(maxsize=1)

@@ -98,7 +98,7 @@ class Scalp:
         self._column = column
         self._stroke = np.rint(self._polar).astype(np.intp) * _FINE + column
 
-    def paint(self, parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.float32]:
+    def paint(self, parameters: Mapping[str, Any], seed: int) -> NDArray[np.float32]:
         """Return how much of each texel the hair roots cover.
 
         Args:
@@ -123,22 +123,6 @@ class Scalp:
         mask = np.zeros(self.shape, dtype=np.float32)
         mask.ravel()[self._texels] = np.clip(cover, 0.0, 1.0)
         return mask
-
-
-def scalp_mask(
-    parameters: Mapping[str, Any], position_map_xyz: NDArray[np.floating[Any]], seed: int = 0
-) -> NDArray[np.float32]:
-    """Return how much of each texel the hair roots cover; for many people keep a :class:`Scalp`.
-
-    Args:
-        parameters: Of one head of hair.
-        position_map_xyz: As for :class:`Scalp`.
-        seed: Of the ragged edge.
-
-    Returns:
-        As of :meth:`Scalp.paint`.
-    """
-    return Scalp(position_map_xyz).paint(parameters, seed)
 
 
 def bald_polar(azimuth: Floats, bald_deg: float) -> Floats:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.identities.hair.anchors import SKULL_CENTRE_MM, Anchors
+from lrsr.identities.hair.anchors import SKULL_CENTRE_MM, load_anchors
 from lrsr.identities.hair.chart import measure_ears, measure_skin, sample_chart, sample_level
 from lrsr.identities.hair.paths import COLUMNS, Paths, follow_paths, plan_paths, smooth_noise
 from lrsr.identities.hair.styles import AT_HAIRLINE_MM
@@ -28,7 +28,7 @@ BEYOND_MM = (4.0, 8.0, 12.0)
 """Extra rows past a free edge, for strands that reach over it; not part of the shell's mesh. At a
 hairline they are a tenth longer."""
 
-STUBBLE_DEPTH_MM = 2.0
+_STUBBLE_DEPTH_MM = 2.0
 """How far below the skin the shell of a clipped head lies: only its ribbons show."""
 
 _MOST_HANG_MM = 32.0
@@ -50,6 +50,11 @@ class Shell:
     outward: Floats
     height: Floats
 
+    @property
+    def vertices(self) -> Floats:
+        """What the mesh has of it, ``(COLUMNS * ROWS, 3)``, mm."""
+        return self.points[:, :ROWS].reshape(-1, 3)
+
 
 @dataclass(frozen=True)
 class _Bed:
@@ -66,24 +71,22 @@ def shell_rows() -> Floats:
     return np.asarray(1.0 - (1.0 - np.linspace(0.0, 1.0, ROWS)) ** 1.2)
 
 
+def strand_stream(seed: int) -> np.random.Generator:
+    """Return what the shell and then the ribbons of one head of hair are drawn from."""
+    return np.random.default_rng([seed, 3])
+
+
 def lay_shell(
-    parameters: Mapping[str, Any],
-    anchors: Anchors,
-    skin_vertices: NDArray[np.float32],
-    rng: np.random.Generator,
+    parameters: Mapping[str, Any], skin_vertices: NDArray[np.float32], rng: np.random.Generator
 ) -> Shell:
     """Lay the hair on one head.
 
     Args:
         parameters: Of one head of hair, see :mod:`lrsr.identities.hair.styles`.
-        anchors: The chart of the skull.
-        skin_vertices: ``(V, 3)``, mm.
-        rng: Of clumps and ragged edges.
-
-    Raises:
-        InputError: The skin is not of the topology that the anchors were built for.
+        skin_vertices: ``(V, 3)``, mm, in the template's topology.
+        rng: Of clumps and ragged edges, see :func:`strand_stream`.
     """
-    bed = _make_bed(parameters, anchors, skin_vertices)
+    bed = _make_bed(parameters, skin_vertices)
     paths = plan_paths(parameters, bed.chart, rng)
     course = _run(parameters, paths)
     points = _hang(parameters, bed, paths, course)
@@ -96,16 +99,15 @@ def lay_shell(
     if parameters["sunk_mm"] > 0:
         height = np.full_like(height, -parameters["sunk_mm"])
     elif parameters["stubble_mm"] > 0:
-        height = np.full_like(height, -STUBBLE_DEPTH_MM)
+        height = np.full_like(height, -_STUBBLE_DEPTH_MM)
     points += outward * height[..., None]
     points[..., 0] += outward[..., 2] * aside
     points[..., 2] -= outward[..., 0] * aside
     return Shell(points, outward, height)
 
 
-def _make_bed(
-    parameters: Mapping[str, Any], anchors: Anchors, skin_vertices: NDArray[np.float32]
-) -> _Bed:
+def _make_bed(parameters: Mapping[str, Any], skin_vertices: NDArray[np.float32]) -> _Bed:
+    anchors = load_anchors()
     chart = anchors.locate(skin_vertices)
     shift = (chart[:, _CRANIUM] - anchors.template[:, _CRANIUM]).mean(axis=(0, 1))
     centre = np.asarray(SKULL_CENTRE_MM) + shift
@@ -180,12 +182,6 @@ def _hang(parameters: Mapping[str, Any], bed: _Bed, paths: Paths, course: Course
     widest = np.maximum.accumulate(radius, axis=1)
     off = smoothstep(0.0, _HANG_AFTER_MM, course.down) * parameters["hang"]
     radius += off * np.minimum(widest - radius, _MOST_HANG_MM)
-    hanging = np.stack(
-        [
-            bed.centre[0] + heading[:, :1] * radius,
-            y,
-            bed.centre[2] + heading[:, 1:] * radius,
-        ],
-        axis=-1,
-    )
+    x, z = (bed.centre[axis] + heading[:, [k]] * radius for k, axis in enumerate((0, 2)))
+    hanging = np.stack([x, y, z], axis=-1)
     return np.where(leaves[..., None], hanging, points)

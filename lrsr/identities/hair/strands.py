@@ -17,11 +17,11 @@ from lrsr.identities.hair.shell import BEYOND_MM, ROWS, Shell
 from lrsr.identities.hair.texture import RIBBON_COLUMNS, SHELL_COLUMNS, TEXTURE_SHAPE
 
 Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
+_Singles = NDArray[np.float32]
 
 RIBBONS = 10800
 POINTS = 6
-CURLY_FROM_MM = 2.0
+_CURLY_FROM_MM = 2.0
 """Curls of at least this radius take short ribbons of a turn each, smaller ones long strands."""
 
 _CURLY_REACH = 4.5
@@ -51,11 +51,11 @@ class Layout(NamedTuple):
     column: Floats
     row: Floats
     stubble_row: Floats
-    half_width_mm: Singles
-    twist: Singles
-    rise: Singles
-    stray: Singles
-    phase: Singles
+    half_width_mm: _Singles
+    twist: _Singles
+    rise: _Singles
+    stray: _Singles
+    phase: _Singles
 
 
 @lru_cache(maxsize=1)
@@ -109,7 +109,7 @@ def layout() -> Layout:
     )
 
 
-def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Generator) -> Singles:
+def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Generator) -> _Singles:
     """Return the ribbons' vertices, ``(RIBBONS, POINTS, 2, 3)`` mm: left and right edge."""
     plan = layout()
     stubble = parameters["stubble_mm"] > 0
@@ -119,7 +119,7 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
     sampled = sampler @ stacked.reshape(-1, 7).astype(np.float32)
     sampled = sampled.reshape(RIBBONS, POINTS, 7)
     centre, outward, height = sampled[..., :3], sampled[..., 3:6], sampled[..., 6]
-    tangent = _unit(_along(centre))
+    tangent = _unit(np.gradient(centre, axis=1))
     across = _unit(_cross(outward, tangent))
     if stubble:
         along = np.linspace(0.0, 1.0, POINTS, dtype=np.float32)
@@ -138,12 +138,12 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
 
 def _is_curly(parameters: Mapping[str, Any]) -> bool:
     """Whether short hair curls; long hair waves."""
-    return bool(parameters["curl_mm"] >= CURLY_FROM_MM and parameters["hang"] == 0.0)
+    return bool(parameters["curl_mm"] >= _CURLY_FROM_MM and parameters["hang"] == 0.0)
 
 
 def _loosen(
-    parameters: Mapping[str, Any], height: Singles, rng: np.random.Generator
-) -> tuple[Singles, Singles]:
+    parameters: Mapping[str, Any], height: _Singles, rng: np.random.Generator
+) -> tuple[_Singles, _Singles]:
     """Curl strands and let some fly: shifts off the shell and along it, mm."""
     plan = layout()
     curly = _is_curly(parameters)
@@ -162,18 +162,11 @@ def _loosen(
 def strand_faces() -> NDArray[np.int32]:
     """Return the ribbons' triangles, ``(F, 3)``, outer side counter-clockwise."""
     first = np.arange(RIBBONS)[:, None] * (2 * POINTS) + 2 * np.arange(POINTS - 1)[None, :]
-    left, right, next_left, next_right = first, first + 1, first + 2, first + 3
-    faces = np.stack(
-        [
-            np.stack([left, next_left, right], axis=-1),
-            np.stack([right, next_left, next_right], axis=-1),
-        ],
-        axis=2,
-    )
-    return faces.reshape(-1, 3).astype(np.int32)
+    two_triangles = np.array([0, 2, 1, 1, 2, 3])  # left, right, next left, next right
+    return np.asarray((first[..., None] + two_triangles).reshape(-1, 3), dtype=np.int32)
 
 
-def strand_uv() -> Singles:
+def strand_uv() -> _Singles:
     """Return the ribbons' texture coordinates, ``(RIBBONS * POINTS * 2, 2)``."""
     plan = layout()
     shade = plan.column[:, :1] / (COLUMNS - 1.0)
@@ -211,23 +204,14 @@ def _sampler(kind: str) -> Any:
     )
 
 
-def _along(points: Singles) -> Singles:
-    """Differences along the ribbon, one-sided at its ends."""
-    step = np.empty_like(points)
-    step[:, 1:-1] = points[:, 2:] - points[:, :-2]
-    step[:, 0] = points[:, 1] - points[:, 0]
-    step[:, -1] = points[:, -1] - points[:, -2]
-    return step
-
-
-def _cross(a: Singles, b: Singles) -> Singles:
+def _cross(a: _Singles, b: _Singles) -> _Singles:
     result = np.empty_like(a)
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         result[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
     return result
 
 
-def _unit(vectors: Singles) -> Singles:
+def _unit(vectors: _Singles) -> _Singles:
     length = np.sqrt(np.einsum("...c,...c->...", vectors, vectors))
-    scaled: Singles = vectors / np.maximum(length, 1e-6)[..., None]
+    scaled: _Singles = vectors / np.maximum(length, 1e-6)[..., None]
     return scaled

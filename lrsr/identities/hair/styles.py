@@ -13,9 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lrsr.errors import InputError
-
-Range = tuple[float, float]
+_Range = tuple[float, float]
 
 LOWER_AZIMUTHS_DEG = (0.0, 35.0, 60.0, 85.0, 115.0, 180.0)
 """Azimuths of the six numbers of ``lower_mm``: brow, temple, cheek, ear, behind the ear, nape."""
@@ -24,7 +22,7 @@ AT_HAIRLINE_MM = 300.0
 """A lower edge above everything: strands end at the hairline."""
 
 # Ranges shared by short hair. ``side_mm`` and ``back_mm`` up to 1 are shares of ``top_mm``.
-_SHORT: dict[str, Range] = {
+_SHORT: dict[str, _Range] = {
     "parting_deg": (0.0, 0.0),
     "parting_length": (0.0, 0.0),
     "crown_x_deg": (-6.0, 6.0),
@@ -60,7 +58,7 @@ _SHORT: dict[str, Range] = {
     "stubble_mm": (0.0, 0.0),
 }
 
-_LONG: dict[str, Range] = _SHORT | {
+_LONG: dict[str, _Range] = _SHORT | {
     "parting_length": (0.7, 1.0),
     "parting_deg": (-6.0, 6.0),
     "front_left_deg": (40.0, 60.0),
@@ -84,7 +82,7 @@ _LONG: dict[str, Range] = _SHORT | {
     "trim_back_deg": (0.0, 0.0),
 }
 
-_RANGES: dict[str, dict[str, Range]] = {
+_RANGES: dict[str, dict[str, _Range]] = {
     "shaved": _SHORT | {"sunk_mm": (10.0, 10.0), "density": (0.12, 0.6)},
     "buzz": _SHORT
     | {
@@ -206,7 +204,6 @@ _RANGES: dict[str, dict[str, Range]] = {
         "tip_mm": (6.0, 12.0),
         "flare_mm": (-14.0, 10.0),
         "layer_mm": (-15.0, 20.0),
-        "ragged_mm": (4.0, 12.0),
     },
     "long_straight": _LONG
     | {
@@ -269,7 +266,7 @@ _RANGES: dict[str, dict[str, Range]] = {
 
 STYLES: tuple[str, ...] = tuple(_RANGES)
 
-_ALL: dict[str, Range] = {
+_ALL: dict[str, _Range] = {
     "hairline_deg": (-5.0, 5.0),
     "recession_deg": (-3.0, 4.0),
     "peak_deg": (-1.0, 4.0),
@@ -288,13 +285,7 @@ _ALL: dict[str, Range] = {
 
 
 def style_parameters(style: str, rng: np.random.Generator) -> dict[str, Any]:
-    """Draw the numbers of one given style, colour excepted.
-
-    Raises:
-        InputError: There is no such style.
-    """
-    if style not in _RANGES:
-        raise InputError(f"no hair style {style!r}: choose one of {', '.join(STYLES)}")
+    """Draw the numbers of one of :data:`STYLES`, colour excepted."""
     ranges = _ALL | _RANGES[style]
     values: dict[str, Any] = {"style": style}
     for key, (low, high) in ranges.items():

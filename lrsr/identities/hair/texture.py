@@ -12,7 +12,7 @@ RIBBON_COLUMNS = 512
 TEXTURE_SHAPE = (128, SHELL_COLUMNS + RIBBON_COLUMNS)
 """Rows root to tip; columns around the head, of the shell and then of the ribbons over it."""
 
-GREY_STRAND = (0.44, 0.43, 0.41)
+_GREY_STRAND = (0.44, 0.43, 0.41)
 """Linear reflectance of a strand without pigment, in the shade of its neighbours."""
 
 _SHADE = 0.3
@@ -21,11 +21,11 @@ _SHADE = 0.3
 def mean_colour(parameters: Mapping[str, Any]) -> NDArray[np.float64]:
     """Return the mean linear RGB of the hair, grey strands included; for roots painted on skin."""
     pigment = np.asarray(parameters["hair_colour"], dtype=np.float64)
-    grey = np.asarray(GREY_STRAND)
+    grey = np.asarray(_GREY_STRAND)
     return np.asarray((1.0 - parameters["grey"]) * pigment + parameters["grey"] * grey)
 
 
-def hair_texture(parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.float32]:
+def hair_texture(parameters: Mapping[str, Any], seed: int) -> NDArray[np.float32]:
     """Paint the strands of one head of hair.
 
     Roots are darker than tips, neighbouring strands share a clump's shade, and a strand is either
@@ -54,7 +54,7 @@ def hair_texture(parameters: Mapping[str, Any], seed: int = 0) -> NDArray[np.flo
     uneven = 0.9 * rng.normal(size=columns) + 0.5 * np.roll(clump, 37) + 0.4 * np.roll(broad, 90)
     grey = np.clip(share + 0.9 * share * (1.0 - share) * uneven, 0.0, 1.0)
     pigment = np.asarray(parameters["hair_colour"], dtype=np.float64)
-    base = pigment + grey[:, None] * (np.asarray(GREY_STRAND) - pigment)
+    base = pigment + grey[:, None] * (np.asarray(_GREY_STRAND) - pigment)
     texture = shade[..., None] * base[None].astype(np.float32)
     return np.asarray(np.minimum(texture, np.float32(0.9)), dtype=np.float32)
 

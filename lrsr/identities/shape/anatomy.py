@@ -8,25 +8,25 @@ heads.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TypedDict
+from typing import NamedTuple, TypedDict
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from lrsr.identities.population import ANCESTRIES
 from lrsr.identities.shape.proportions import Gauge, restrain
 
 GENDERS = ("female", "male")
 AGES = ("young", "old")
-RACES = ("african", "asian", "caucasian")
 LEVELS = ("min", "average", "max")
 
 SHAPE_GAIN = 2.0
 """Widens all local variation, so that real recognisers tell the people apart; more looks like
 caricature."""
-ANCESTRY_GAIN = 1.55
+_ANCESTRY_GAIN = 1.55
 """Exaggerates a mix of ancestries about the equal one."""
-ASYMMETRY = 0.22 * 1.2
+_ASYMMETRY = 0.22 * 1.2
 
 REGION_WIDTH = {
     "head": 0.11,
@@ -45,7 +45,7 @@ REGION_WIDTH = {
 Recognisers tell people apart by brows, eyes, nose and mouth, and hardly by the outline of the head
 (docs/people.md), which is what the eye reads as caricature first: the former vary more."""
 
-DAMPING = {
+_DAMPING = {
     "nose-nostrils-angle": 0.4,
     "nose-flaring": 0.5,
     "nose-point-down-up": 0.42,
@@ -88,83 +88,67 @@ DAMPING = {
 }
 """Sliders whose extremes look odd before others do: the factor on their width, by name's start."""
 
-AGE_SLIDERS = {
-    "head/head-age-decr-incr": 1.2,
-    "eyes/eye-bag-decr-incr": 1.1,
-    "cheek/cheek-trans-down-up": -0.75,
-    "eyes/eye-eyefold-down-up": -0.6,
-    "mouth/mouth-laugh-lines-in-out": 0.75,
-    "neck/neck-double-decr-incr": 0.6,
-    "ears/ear-lobe-decr-incr": 0.5,
-    "mouth/mouth-upperlip-height-decr-incr": -0.5,
-    "mouth/mouth-lowerlip-height-decr-incr": -0.5,
-}
-"""What age adds to a slider, per unit of age beyond 0.3; the sign is the direction."""
 
-WOMEN_AGE_SLIDERS = {
-    "head/head-age-decr-incr": 0.5,
-    "eyes/eye-eyefold-down-up": -0.4,
-    "cheek/cheek-volume-decr-incr": -0.3,
-}
-"""What it adds to those of a woman, beyond: what makes women look feminine also hides their age."""
+class _Trend(NamedTuple):
+    """What is added to a slider, beyond MakeHuman's own differences; the sign is the direction.
 
-SEX_SLIDERS = {
-    "chin/chin-width-decr-incr": 0.45,
-    "chin/chin-bones-decr-incr": 0.35,
-    "chin/chin-height-decr-incr": 0.25,
-    "chin/chin-prominent-decr-incr": 0.3,
-    "cheek/cheek-bones-decr-incr": -0.2,
-    "eyes/eye-scale-decr-incr": -0.42,
-    "eyes/eye-height2-decr-incr": -0.3,
-    "eyebrows/eyebrows-trans-backward-forward": 0.1,
-    "eyebrows/eyebrows-trans-down-up": -0.7,
-    "mouth/mouth-upperlip-height-decr-incr": -0.2,
-    "mouth/mouth-lowerlip-height-decr-incr": -0.2,
-    "neck/neck-scale-horiz-decr-incr": 0.3,
-    "neck/neck-scale-depth-decr-incr": 0.3,
-    "nose/nose-scale-vert-decr-incr": 0.2,
-    "nose/nose-width2-decr-incr": 0.35,
-    "nose/nose-width1-decr-incr": 0.3,
-    "nose/nose-scale-horiz-decr-incr": 0.26,
-    "nose/nose-width3-decr-incr": 0.1,
-    "nose/nose-volume-decr-incr": 0.2,
-    "nose/nose-point-width-decr-incr": 0.1,
-    "nose/nose-scale-depth-decr-incr": -0.05,
-    "nose/nose-point-down-up": -0.12,
-    "head/head-age-decr-incr": 0.36,
-    "head/head-scale-horiz-decr-incr": -0.15,
-    "head/head-fat-decr-incr": -0.12,
-    "mouth/mouth-angles-down-up": -0.2,
-    "cheek/cheek-inner-decr-incr": -0.2,
-}
-"""What being a man (+1) or a woman (-1) adds to a slider, beyond MakeHuman's own difference."""
-COMMON_SLIDERS = {
-    "eyes/eye-scale-decr-incr": 0.8,
-    "eyes/eye-push2-in-out": 0.9,
-    "eyes/eye-push1-in-out": -0.2,
-    "eyes/eye-height2-decr-incr": 0.4,
-    "ears/ear-scale-decr-incr": -0.35,
-    "head/head-scale-horiz-decr-incr": -0.05,
-    "nose/nose-scale-vert-decr-incr": -0.2,
-    "nose/nose-scale-horiz-decr-incr": -0.14,
-    "nose/nose-scale-depth-decr-incr": 0.1,
-    "nose/nose-width3-decr-incr": -0.05,
-    "nose/nose-flaring-decr-incr": 0.2,
-    "nose/nose-volume-decr-incr": -0.4,
-    "nose/nose-point-width-decr-incr": -0.2,
-    "nose/nose-point-down-up": 0.05,
-    "head/head-age-decr-incr": -0.2,
-    "cheek/cheek-inner-decr-incr": 0.2,
-    "head/head-fat-decr-incr": -0.2,
-    "chin/chin-bones-decr-incr": -0.15,
-    "neck/neck-scale-horiz-decr-incr": -0.7,
-    "mouth/mouth-angles-down-up": 0.3,
-}
-"""What everybody has, so that the average of each sex has the proportions that were measured on
-people (Farkas 1994): MakeHuman's eyes are a quarter too small, its ears too large, its jaws and
-necks too wide, its mouths a little sad."""
+    Attributes:
+        average: In everybody, so that the average of each sex has the proportions that were
+            measured on people (Farkas 1994): MakeHuman's eyes are a quarter too small, its ears too
+            large, its jaws and necks too wide, its mouths a little sad.
+        sex: In a man; as much is taken away in a woman.
+        age: Per unit of age beyond 0.3, more in some people than in others.
+        women_age: Likewise in a woman alone: what makes women look feminine also hides their age.
+    """
 
-RESTING_UNITS = {
+    average: float = 0.0
+    sex: float = 0.0
+    age: float = 0.0
+    women_age: float = 0.0
+
+
+_TRENDS = {
+    "head/head-age-decr-incr": _Trend(average=-0.2, sex=0.36, age=1.2, women_age=0.5),
+    "eyes/eye-bag-decr-incr": _Trend(age=1.1),
+    "cheek/cheek-trans-down-up": _Trend(age=-0.75),
+    "eyes/eye-eyefold-down-up": _Trend(age=-0.6, women_age=-0.4),
+    "mouth/mouth-laugh-lines-in-out": _Trend(age=0.75),
+    "neck/neck-double-decr-incr": _Trend(age=0.6),
+    "ears/ear-lobe-decr-incr": _Trend(age=0.5),
+    "mouth/mouth-upperlip-height-decr-incr": _Trend(sex=-0.2, age=-0.5),
+    "mouth/mouth-lowerlip-height-decr-incr": _Trend(sex=-0.2, age=-0.5),
+    "cheek/cheek-volume-decr-incr": _Trend(women_age=-0.3),
+    "chin/chin-width-decr-incr": _Trend(sex=0.45),
+    "chin/chin-bones-decr-incr": _Trend(average=-0.15, sex=0.35),
+    "chin/chin-height-decr-incr": _Trend(sex=0.25),
+    "chin/chin-prominent-decr-incr": _Trend(sex=0.3),
+    "cheek/cheek-bones-decr-incr": _Trend(sex=-0.2),
+    "eyes/eye-scale-decr-incr": _Trend(average=0.8, sex=-0.42),
+    "eyes/eye-height2-decr-incr": _Trend(average=0.4, sex=-0.3),
+    "eyebrows/eyebrows-trans-backward-forward": _Trend(sex=0.1),
+    "eyebrows/eyebrows-trans-down-up": _Trend(sex=-0.7),
+    "neck/neck-scale-horiz-decr-incr": _Trend(average=-0.7, sex=0.3),
+    "neck/neck-scale-depth-decr-incr": _Trend(sex=0.3),
+    "nose/nose-scale-vert-decr-incr": _Trend(average=-0.2, sex=0.2),
+    "nose/nose-width2-decr-incr": _Trend(sex=0.35),
+    "nose/nose-width1-decr-incr": _Trend(sex=0.3),
+    "nose/nose-scale-horiz-decr-incr": _Trend(average=-0.14, sex=0.26),
+    "nose/nose-width3-decr-incr": _Trend(average=-0.05, sex=0.1),
+    "nose/nose-volume-decr-incr": _Trend(average=-0.4, sex=0.2),
+    "nose/nose-point-width-decr-incr": _Trend(average=-0.2, sex=0.1),
+    "nose/nose-scale-depth-decr-incr": _Trend(average=0.1, sex=-0.05),
+    "nose/nose-point-down-up": _Trend(average=0.05, sex=-0.12),
+    "head/head-scale-horiz-decr-incr": _Trend(average=-0.05, sex=-0.15),
+    "head/head-fat-decr-incr": _Trend(average=-0.2, sex=-0.12),
+    "mouth/mouth-angles-down-up": _Trend(average=0.3, sex=-0.2),
+    "cheek/cheek-inner-decr-incr": _Trend(average=0.2, sex=-0.2),
+    "eyes/eye-push2-in-out": _Trend(average=0.9),
+    "eyes/eye-push1-in-out": _Trend(average=-0.2),
+    "ears/ear-scale-decr-incr": _Trend(average=-0.35),
+    "nose/nose-flaring-decr-incr": _Trend(average=0.2),
+}
+
+_RESTING_UNITS = {
     "browInnerUp": 0.08,
     "browDown": 0.06,
     "browOuterUp": 0.3,
@@ -181,7 +165,7 @@ RESTING_UNITS = {
     "jawForward": 0.15,
 }
 """Face units of a resting face and the width of their strength."""
-EXPRESSION_SHARE = 0.6
+_EXPRESSION_SHARE = 0.6
 """How many people show each of them."""
 
 
@@ -212,7 +196,7 @@ def _pairs(names: Sequence[str]) -> dict[str, list[str]]:
 
 def _damping(slider: str) -> float:
     pair = slider.split("/")[1]
-    return next((f for start, f in DAMPING.items() if pair.startswith(start)), 1.0)
+    return next((f for start, f in _DAMPING.items() if pair.startswith(start)), 1.0)
 
 
 def _draw_sliders(
@@ -231,23 +215,21 @@ def _draw_sliders(
     kept = restrain(gauge, np.array(list(drawn.values())), ends, np.array(widths))
     values = dict(zip(drawn, kept.tolist(), strict=True))
     beyond = max(0.0, age - 0.3)
-    for slider, gain in AGE_SLIDERS.items():
-        values[slider] += gain * beyond * abs(rng.normal(0.7, 0.5))
-    if masculinity < 0.5:
-        for slider, gain in WOMEN_AGE_SLIDERS.items():
-            values[slider] += gain * beyond
-    for slider, gain in SEX_SLIDERS.items():
-        values[slider] += gain * (2.0 * masculinity - 1.0)
-    for slider, offset in COMMON_SLIDERS.items():
-        values[slider] += offset
+    for slider, trend in _TRENDS.items():
+        if trend.age:
+            values[slider] += trend.age * beyond * abs(rng.normal(0.7, 0.5))
+        if masculinity < 0.5:
+            values[slider] += trend.women_age * beyond
+        values[slider] += trend.sex * (2.0 * masculinity - 1.0)
+        values[slider] += trend.average
     return {slider: float(np.clip(value, -1.5, 1.5)) for slider, value in values.items()}
 
 
 def _draw_expression(names: Sequence[str], rng: Generator) -> dict[str, float]:
     known = {name.removeprefix("unit/") for name in names}
     strengths: dict[str, float] = {}
-    for unit, width in RESTING_UNITS.items():
-        shown, strength = rng.random() < EXPRESSION_SHARE, abs(rng.normal(0.0, width))
+    for unit, width in _RESTING_UNITS.items():
+        shown, strength = rng.random() < _EXPRESSION_SHARE, abs(rng.normal(0.0, width))
         sides = zip((f"{unit}Left", f"{unit}Right"), rng.uniform(0.75, 1.25, 2), strict=True)
         if shown:
             factors = {unit: 1.0} if unit in known else dict(sides)
@@ -273,7 +255,7 @@ def sample_anatomy(
     shapes = [name.split("/")[1] for name in names if name.startswith("shape/")]
     sides = [name.split("/")[1] for name in names if name.startswith("asym/")]
     amount = rng.uniform(0.1, 0.5)
-    asymmetry = np.clip(rng.normal(0.0, ASYMMETRY, len(sides)), -0.6, 0.6)
+    asymmetry = np.clip(rng.normal(0.0, _ASYMMETRY, len(sides)), -0.6, 0.6)
     return {
         "muscle": float(rng.uniform(0.22, 0.5 + 0.25 * masculinity)),
         "weight": float(np.clip(rng.normal(0.5, 0.22), 0.04, 0.96)),
@@ -312,7 +294,7 @@ def coefficients(
         anatomy: As :func:`sample_anatomy` draws it.
         masculinity: 0 (female) to 1 (male).
         age: 0 (MakeHuman's young adult) to 1 (its old one).
-        ancestry: Shares of :data:`RACES`, summing to 1.
+        ancestry: Shares of :data:`lrsr.identities.population.ANCESTRIES`, summing to 1.
 
     Returns:
         ``(K,)``.
@@ -327,8 +309,8 @@ def coefficients(
             for m in LEVELS:
                 for w in LEVELS:
                     values[f"macro/{gender}/{years}/{m}/{w}"] = both * muscle[m] * weight[w]
-            for race in RACES:
-                share = 1 / 3 + ANCESTRY_GAIN * (ancestry[race] - 1 / 3)
+            for race in ANCESTRIES:
+                share = 1 / 3 + _ANCESTRY_GAIN * (ancestry[race] - 1 / 3)
                 values[f"race/{race}/{gender}/{years}"] = both * share
     for slider, value in anatomy["sliders"].items():
         values[f"{slider}/+"], values[f"{slider}/-"] = max(value, 0.0), max(-value, 0.0)

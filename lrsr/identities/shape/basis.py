@@ -28,7 +28,7 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import sparse
 
 from lrsr.errors import InputError
@@ -37,10 +37,9 @@ from lrsr.paths import asset
 
 UNIT_MM = 0.01
 ROUNDS = 2
-EYE_VERTICES = 72
+_EYE_VERTICES = 72
 SOCKETS = (2, 3)
 """Regions of the left and the right eye socket."""
-ASSET_NAME = "head_basis.npz"
 
 Points = NDArray[np.float64]
 
@@ -109,7 +108,7 @@ class Basis:
         left, right = (np.intersect1d(skin, self.quads[self.region == k]) for k in SOCKETS)
         return left, right
 
-    def shape(self, coefficients: ArrayLike) -> BaseHead:
+    def shape(self, coefficients: Points) -> BaseHead:
         """Return the coarse head of these coefficients.
 
         Args:
@@ -117,16 +116,10 @@ class Basis:
 
         Returns:
             Skin, eyes and lashes; the head is not moved to any frame yet.
-
-        Raises:
-            ValueError: The number of coefficients is wrong.
         """
-        weights = np.asarray(coefficients, dtype=np.float64)
-        if weights.shape != (len(self.names),):
-            raise ValueError(f"need {len(self.names)} coefficients, got shape {weights.shape}")
-        moved = self.vertices + (self.fields @ weights).reshape(-1, 3)
-        eyes = moved[self.n_skin : self.n_skin + 2 * EYE_VERTICES].reshape(2, EYE_VERTICES, 3)
-        return BaseHead(moved[: self.n_skin], eyes, moved[self.n_skin + 2 * EYE_VERTICES :])
+        moved = self.vertices + (self.fields @ coefficients).reshape(-1, 3)
+        eyes = moved[self.n_skin : self.n_skin + 2 * _EYE_VERTICES].reshape(2, _EYE_VERTICES, 3)
+        return BaseHead(moved[: self.n_skin], eyes, moved[self.n_skin + 2 * _EYE_VERTICES :])
 
     @cached_property
     def surface(self) -> Surface:
@@ -148,15 +141,6 @@ class Basis:
         )
 
 
-def _read(path_name: str) -> dict[str, NDArray[np.generic]]:
-    path = asset(path_name)
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path} cannot be read ({error}): reinstall lrsr") from error
-
-
 @lru_cache(maxsize=1)
 def load_basis() -> Basis:
     """Read the shape space that ships with the package; later calls are free.
@@ -164,7 +148,12 @@ def load_basis() -> Basis:
     Raises:
         InputError: The file is missing or damaged.
     """
-    raw = _read(ASSET_NAME)
+    path = asset("head_basis.npz")
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            raw = dict(archive)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path} cannot be read ({error}): reinstall lrsr") from error
     names = tuple(str(name) for name in raw["field_names"])
     columns = np.repeat(np.arange(len(names)), raw["field_counts"].astype(np.int64))
     rows = 3 * raw["field_vertices"].astype(np.int64)[:, None] + np.arange(3)

@@ -37,13 +37,13 @@ from lrsr.paths import PACKAGE
 
 UNIT_MM = 0.01
 """Everything in the basis is a whole number of these."""
-NEUTRAL_AGE = 0.25
+_NEUTRAL_AGE = 0.25
 """Age of the template head, 0 = MakeHuman's young adult, 1 = its old one."""
 
 
 def neutral_coefficients(names: list[str]) -> NDArray[np.float64]:
     """Mix the average adult: half female, half male, the races in equal parts, average build."""
-    ages = {"young": 1.0 - NEUTRAL_AGE, "old": NEUTRAL_AGE}
+    ages = {"young": 1.0 - _NEUTRAL_AGE, "old": _NEUTRAL_AGE}
     mix = np.zeros(len(names))
     for k, name in enumerate(names):
         kind, *rest = name.split("/")

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
-from lrsr.identities.shape.anatomy import AGES, GENDERS, LEVELS, RACES
+from lrsr.identities.population import ANCESTRIES
+from lrsr.identities.shape.anatomy import AGES, GENDERS, LEVELS, REGION_WIDTH
 
-HEAD_SHAPES = (
+_HEAD_SHAPES = (
     "head-diamond",
     "head-invertedtriangular",
     "head-oval",
@@ -27,10 +28,7 @@ HEAD_SHAPES = (
     "head-square",
     "head-triangular",
 )
-LOCAL_REGIONS = (
-    "cheek", "chin", "ears", "eyebrows", "eyes", "forehead", "head", "mouth", "neck", "nose",
-)  # fmt: skip
-UNUSED = (
+_UNUSED = (
     "head-trans", "head-angle", "head-scale-depth", "neck-trans", "measure-", "mouth-trans-in-out",
     "nose-trans-in-out",
 )  # fmt: skip
@@ -127,20 +125,20 @@ def _macro_fields(folder: Path) -> Iterator[Field]:
         files = [(1.0, folder / f"universal-{sex}-{age}-{build}.target.gz")]
         files += [(0.5, half) for half in halves if half.is_file()]
         yield Field(f"macro/{sex}/{age}/{muscle}/{weight}", tuple(files))
-    for race, sex, age in itertools.product(RACES, GENDERS, AGES):
+    for race, sex, age in itertools.product(ANCESTRIES, GENDERS, AGES):
         yield Field(f"race/{race}/{sex}/{age}", ((1.0, folder / f"{race}-{sex}-{age}.target.gz"),))
 
 
 def _local_fields(targets: Path) -> Iterator[Field]:
     """Both ends of every pair of opposites; the left and the right of a pair move together."""
     catalogue = json.loads((targets / "target.json").read_text())
-    for region in LOCAL_REGIONS:
+    for region in sorted(REGION_WIDTH):
         for category in catalogue[region]["categories"]:
             for sign in ("negative", "positive"):
                 ends = category.get("opposites") or {}
                 names = [ends.get(f"{sign}-{side}") for side in ("unsided", "left", "right")]
                 files = [targets / region / f"{name}.target.gz" for name in names if name]
-                if files and not category["name"].startswith(UNUSED):
+                if files and not category["name"].startswith(_UNUSED):
                     end = "-" if sign == "negative" else "+"
                     yield Field(
                         f"{region}/{category['name']}/{end}", tuple((1.0, f) for f in files)
@@ -153,7 +151,7 @@ def list_fields(data: Path) -> list[Field]:
     fields = list(_macro_fields(targets / "macrodetails"))
     fields += [
         Field(f"shape/{name}", ((1.0, targets / "head" / f"{name}.target.gz"),))
-        for name in HEAD_SHAPES
+        for name in _HEAD_SHAPES
     ]
     fields += list(_local_fields(targets))
     for path in sorted((targets / "asym").glob("asym-*.target.gz")):

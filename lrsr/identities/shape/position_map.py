@@ -20,10 +20,22 @@ class PositionMap(NamedTuple):
     mask: NDArray[np.bool_]
 
 
-def _twice_area(
+def twice_area(
     p: NDArray[np.float64], q: NDArray[np.float64], r: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    return (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
+    """Return twice the area of triangles in the plane, positive when counter-clockwise.
+
+    Args:
+        p: ``(..., 2 or more)`` first corners; only x and y count.
+        q: Second corners.
+        r: Third corners.
+
+    Example:
+        >>> float(twice_area(np.array([0.0, 0.0]), np.array([2.0, 0.0]), np.array([0.0, 3.0])))
+        6.0
+    """
+    across, up = q - p, r - p
+    return np.asarray(across[..., 0] * up[..., 1] - across[..., 1] * up[..., 0])
 
 
 def draw_triangles(
@@ -52,11 +64,9 @@ def draw_triangles(
     a, b, c = (corners[triangle, k] for k in range(3))
     point = np.stack([column, row], axis=1).astype(np.float64)
 
-    total = _twice_area(a, b, c)
+    total = twice_area(a, b, c)
     total = np.where(total == 0.0, np.nan, total)
-    weights = (
-        np.stack([_twice_area(b, c, point), _twice_area(c, a, point)], axis=1) / total[:, None]
-    )
+    weights = np.stack([twice_area(b, c, point), twice_area(c, a, point)], axis=1) / total[:, None]
     weights = np.concatenate([weights, 1.0 - weights.sum(axis=1, keepdims=True)], axis=1)
     inside = (weights >= -1e-9).all(axis=1)
     triangle, weights = triangle[inside], weights[inside]

@@ -16,7 +16,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.identities.shape.basis import BaseHead, Basis, load_basis
+from lrsr.identities.shape.basis import load_basis
+
+Group = Literal["features", "outline"]
+"""Features of the face seen from in front; outline of head and profile."""
 
 X, Y, Z = 0, 1, 2
 LIMIT_SD = {"outline": 1.6, "features": 2.2}
@@ -35,7 +38,7 @@ class Measure(NamedTuple):
         high: Point on the template, mm from its pupils' middle; the nearest vertex is meant.
         low: The other point.
         sd_mm: Standard deviation among people of one sex and ancestry.
-        of: "features" of the face seen from in front, or "outline" of head and profile.
+        of: What it is part of.
     """
 
     name: str
@@ -43,16 +46,11 @@ class Measure(NamedTuple):
     high: tuple[float, float, float]
     low: tuple[float, float, float]
     sd_mm: float
-    of: Literal["features", "outline"] = "features"
+    of: Group = "features"
 
 
 def _across(
-    name: str,
-    x: float,
-    y: float,
-    z: float,
-    sd_mm: float,
-    of: Literal["features", "outline"] = "features",
+    name: str, x: float, y: float, z: float, sd_mm: float, of: Group = "features"
 ) -> Measure:
     return Measure(name, X, (x, y, z), (-x, y, z), sd_mm, of)
 
@@ -125,18 +123,19 @@ class Gauge:
     limits: NDArray[np.float64]
 
 
-def make_gauge(basis: Basis, template: BaseHead) -> Gauge:
-    """Look up the measures' vertices on the template and weigh the fields.
-
-    Args:
-        basis: The shape space.
-        template: Its neutral head, the origin between the pupils.
-    """
+@lru_cache(maxsize=1)
+def load_gauge() -> Gauge:
+    """Look up the measures' vertices on the average adult and weigh the fields."""
+    basis = load_basis()
+    average = basis.shape(basis.neutral)
+    centres = average.eyes.mean(axis=1, keepdims=True)
+    origin = centres.mean(axis=(0, 1))  # between the pupils
+    origin[2] += np.linalg.norm(average.eyes - centres, axis=2).mean()
     head = np.unique(basis.quads[basis.region == 0])
+    skin = average.skin[head] - origin
 
     def row(point: tuple[float, float, float], axis: int) -> int:
-        distance = np.linalg.norm(template.skin[head] - np.array(point), axis=1)
-        return 3 * int(head[np.argmin(distance)]) + axis
+        return 3 * int(head[np.argmin(np.linalg.norm(skin - point, axis=1))]) + axis
 
     high = [row(measure.high, measure.axis) for measure in MEASURES]
     low = [row(measure.low, measure.axis) for measure in MEASURES]
@@ -168,14 +167,7 @@ def restrain(
 
     Returns:
         ``(S,)`` new sliders.
-
-    Raises:
-        ValueError: The lengths disagree.
     """
-    if not len(values) == len(columns) == len(width):
-        raise ValueError(
-            f"{len(values)} sliders, {len(columns)} columns and {len(width)} widths do not agree"
-        )
     values = values.copy()
     wanted: NDArray[np.float64] | None = None
     for _ in range(STEPS):  # a slider that crosses zero acts by its other end from then on
@@ -190,17 +182,3 @@ def restrain(
         system += 1e-3 * np.trace(system) / len(system) * np.eye(len(system))
         values += spread.T @ np.linalg.solve(system, wanted - extent)
     return values
-
-
-@lru_cache(maxsize=1)
-def load_gauge() -> Gauge:
-    """Return the gauge of the basis that ships with the package."""
-    basis = load_basis()
-    template = basis.shape(basis.neutral)
-    eyes = template.eyes.reshape(-1, 3)
-    origin = eyes.mean(axis=0)
-    radius = np.linalg.norm(
-        template.eyes - template.eyes.mean(axis=1, keepdims=True), axis=2
-    ).mean()
-    origin[2] += radius
-    return make_gauge(basis, BaseHead(*(part - origin for part in template)))

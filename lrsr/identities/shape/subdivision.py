@@ -15,7 +15,7 @@ Quads = NDArray[np.int64]
 """``(F, 4)`` corners, counter-clockwise seen from outside."""
 
 
-class Subdivision(NamedTuple):
+class _Subdivision(NamedTuple):
     """One round, or several rounds, of subdivision of a fixed topology.
 
     Attributes:
@@ -27,18 +27,23 @@ class Subdivision(NamedTuple):
     quads: Quads
 
 
+def sides(quads: Quads) -> Quads:
+    """List the four sides of each quad, corner and next corner: ``(F, 4)`` to ``(4 F, 2)``."""
+    return np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
+
+
 def _edges(quads: Quads) -> tuple[Quads, Quads, Quads]:
     """Return unique edges ``(E, 2)``, the edge of each side ``(F, 4)``, faces per edge ``(E,)``."""
-    sides = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1)
-    sides = np.sort(sides.reshape(-1, 2), axis=1)
-    unique, inverse, counts = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    ordered = np.sort(sides(quads), axis=1)
+    unique, inverse, counts = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
     return unique, inverse.reshape(quads.shape), counts
 
 
-def _selector(rows: Quads, columns: Quads, shape: tuple[int, int]) -> sparse.csr_matrix:
-    """Return a matrix with a 1 at each of the places, repeated places added up."""
-    ones = np.ones(rows.size)
-    return sparse.csr_matrix((ones, (rows.ravel(), columns.ravel())), shape=shape)
+def _incidence(corners: Quads, n_vertices: int) -> sparse.csr_matrix:
+    """Return ``(n, n_vertices)`` with a 1 at each of the ``(n, k)`` corners, repeats added up."""
+    rows = np.repeat(np.arange(len(corners)), corners.shape[1])
+    ones = np.ones(corners.size)
+    return sparse.csr_matrix((ones, (rows, corners.ravel())), shape=(len(corners), n_vertices))
 
 
 def _new_quads(quads: Quads, side_edges: Quads, n_vertices: int, n_edges: int) -> Quads:
@@ -50,14 +55,7 @@ def _new_quads(quads: Quads, side_edges: Quads, n_vertices: int, n_edges: int) -
     return np.stack([quads, after, centres, before], axis=-1).reshape(-1, 4)
 
 
-def _check(quads: Quads, n_vertices: int) -> None:
-    if quads.ndim != 2 or quads.shape[1] != 4:
-        raise ValueError(f"quads must be (F, 4), got {quads.shape}")
-    if quads.size and (quads.min() < 0 or quads.max() >= n_vertices):
-        raise ValueError(f"a quad names vertex {quads.max()} of {n_vertices}")
-
-
-def split_linearly(quads: Quads, n_vertices: int) -> Subdivision:
+def split_linearly(quads: Quads, n_vertices: int) -> _Subdivision:
     """Split every quad in four without moving anything: the rule for texture coordinates.
 
     Args:
@@ -66,19 +64,14 @@ def split_linearly(quads: Quads, n_vertices: int) -> Subdivision:
 
     Returns:
         Old vertices, then edge midpoints, then face centres.
-
-    Raises:
-        ValueError: ``quads`` is not ``(F, 4)`` or names a vertex that does not exist.
     """
-    _check(quads, n_vertices)
     edges, side_edges, _ = _edges(quads)
-    middle = _selector(np.arange(len(edges))[:, None].repeat(2, 1), edges, (len(edges), n_vertices))
-    centre = _selector(np.arange(len(quads))[:, None].repeat(4, 1), quads, (len(quads), n_vertices))
+    middle, centre = _incidence(edges, n_vertices), _incidence(quads, n_vertices)
     matrix = sparse.vstack([sparse.identity(n_vertices), middle / 2, centre / 4], format="csr")
-    return Subdivision(matrix, _new_quads(quads, side_edges, n_vertices, len(edges)))
+    return _Subdivision(matrix, _new_quads(quads, side_edges, n_vertices, len(edges)))
 
 
-def split_smoothly(quads: Quads, n_vertices: int) -> Subdivision:
+def split_smoothly(quads: Quads, n_vertices: int) -> _Subdivision:
     """Build one round of Catmull-Clark.
 
     An open border follows the cubic B-spline of its own vertices (DeRose et al. 1998, eq. 1-2); a
@@ -90,30 +83,20 @@ def split_smoothly(quads: Quads, n_vertices: int) -> Subdivision:
 
     Returns:
         Moved old vertices, then edge points, then face points.
-
-    Raises:
-        ValueError: ``quads`` is not ``(F, 4)`` or names a vertex that does not exist.
     """
     linear = split_linearly(quads, n_vertices)
     edges, side_edges, counts = _edges(quads)
-    n_edges = len(edges)
     middle, centre = linear.matrix[n_vertices : -len(quads)], linear.matrix[-len(quads) :]
     border = counts == 1
 
-    faces_of_edge = _selector(
-        side_edges, np.arange(len(quads))[:, None].repeat(4, 1), (n_edges, len(quads))
-    )
+    faces_of_edge = _incidence(side_edges, len(edges)).T.tocsr()
     inner = sparse.diags(np.where(border, 0.0, 0.5))
     edge_points = sparse.diags(np.where(border, 1.0, 0.5)) @ middle + inner @ (
         sparse.diags(1.0 / counts) @ faces_of_edge @ centre
     )
 
-    faces_of_vertex = _selector(
-        quads, np.arange(len(quads))[:, None].repeat(4, 1), (n_vertices, len(quads))
-    )
-    edges_of_vertex = _selector(
-        edges, np.arange(n_edges)[:, None].repeat(2, 1), (n_vertices, n_edges)
-    )
+    faces_of_vertex = _incidence(quads, n_vertices).T.tocsr()
+    edges_of_vertex = _incidence(edges, n_vertices).T.tocsr()
     valence = np.maximum(np.asarray(edges_of_vertex.sum(axis=1)).ravel(), 1.0)
     n_faces = np.maximum(np.asarray(faces_of_vertex.sum(axis=1)).ravel(), 1.0)
     smooth = (
@@ -132,10 +115,10 @@ def split_smoothly(quads: Quads, n_vertices: int) -> Subdivision:
         + sparse.diags((~(is_rim | (is_inner & used))).astype(np.float64))
     )
     matrix = sparse.vstack([vertex_points, edge_points, centre], format="csr")
-    return Subdivision(matrix, linear.quads)
+    return _Subdivision(matrix, linear.quads)
 
 
-def subdivide(quads: Quads, n_vertices: int, rounds: int, *, smooth: bool) -> Subdivision:
+def subdivide(quads: Quads, n_vertices: int, rounds: int, *, smooth: bool) -> _Subdivision:
     """Chain ``rounds`` rounds into one matrix.
 
     Args:
@@ -146,18 +129,12 @@ def subdivide(quads: Quads, n_vertices: int, rounds: int, *, smooth: bool) -> Su
 
     Returns:
         The product matrix ``(V_new, n_vertices)`` and the final quads ``(F 4^rounds, 4)``.
-
-    Raises:
-        ValueError: ``quads`` is not ``(F, 4)``, names a missing vertex, or ``rounds`` is negative.
     """
-    _check(quads, n_vertices)
-    if rounds < 0:
-        raise ValueError(f"rounds must be >= 0, got {rounds}")
     split = split_smoothly if smooth else split_linearly
-    total = Subdivision(sparse.identity(n_vertices, format="csr"), quads)
+    total = _Subdivision(sparse.identity(n_vertices, format="csr"), quads)
     for _ in range(rounds):
         step = split(total.quads, total.matrix.shape[0])
-        total = Subdivision(sparse.csr_matrix(step.matrix @ total.matrix), step.quads)
+        total = _Subdivision(sparse.csr_matrix(step.matrix @ total.matrix), step.quads)
     return total
 
 

@@ -8,12 +8,13 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from lrsr.identities.shape.makehuman import LEFT_EYE, RIGHT_EYE, BaseMesh
+from lrsr.identities.shape.subdivision import sides
 
 
 def _islands(uv_quads: NDArray[np.int64], n_uv: int) -> NDArray[np.int64]:
     """Label the connected pieces of a texture layout: ``(F,)``."""
-    nxt = np.roll(uv_quads, -1, axis=1)
-    graph = sparse.coo_matrix((np.ones(nxt.size), (uv_quads.ravel(), nxt.ravel())), (n_uv, n_uv))
+    start, end = sides(uv_quads).T
+    graph = sparse.coo_matrix((np.ones(len(start)), (start, end)), (n_uv, n_uv))
     labels: NDArray[np.int64] = connected_components(graph, directed=False)[1][uv_quads[:, 0]]
     return labels
 
@@ -29,9 +30,8 @@ def _rings(quads: NDArray[np.int64], start: NDArray[np.int64], count: int) -> ND
 
 
 def _loop(quads: NDArray[np.int64], members: NDArray[np.int64]) -> list[int]:
-    """Walk the open border whose vertices are ``members``, once around."""
-    sides = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
-    pairs = {(int(a), int(b)) for a, b in sides}
+    """Walk the open border all of whose vertices are among ``members``, once around."""
+    pairs = {(int(a), int(b)) for a, b in sides(quads)}
     inside = set(members.tolist())
     after = {a: b for a, b in pairs if (b, a) not in pairs and a in inside and b in inside}
     walk = [min(after)]
@@ -110,10 +110,7 @@ def _strip(
     quads: NDArray[np.int64], inner: NDArray[np.int64], points: NDArray[np.float64]
 ) -> NDArray[np.int64]:
     """Close an open border, wider than high, with quads from corner to corner."""
-    sides = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
-    pairs = {(int(a), int(b)) for a, b in sides}
-    border = np.unique([a for a, b in pairs if (b, a) not in pairs])
-    walk = np.array(_loop(quads, np.intersect1d(border, inner)))
+    walk = np.array(_loop(quads, inner))
     n = len(walk)
     x = points[walk, 0]
     corner = int(np.argmax(x + np.roll(x, -1)))  # the side that ends the strip
@@ -130,7 +127,7 @@ TILES = {
     "mouth": (0.81, 0.92, 0.995, 0.995),
 }
 """Where each region lies in the texture: left, top, right, bottom in [0, 1], v downwards."""
-FACE_GAIN = 2.2
+_FACE_GAIN = 2.2
 """How many times denser than the rest of the head the texels of the face lie, along each axis."""
 
 
@@ -159,7 +156,7 @@ def _equalise(
     total = np.bincount(where, weight, 128) + 1e-9
     density = np.bincount(where, weight * stretch, 128) / total
     share = np.bincount(where, weight * face, 128) / total
-    density *= 1.0 + (FACE_GAIN - 1.0) * share
+    density *= 1.0 + (_FACE_GAIN - 1.0) * share
     smooth = np.convolve(np.pad(density, 6, mode="edge"), np.full(13, 1 / 13), mode="valid")
     smooth = np.maximum(smooth, 0.15 * smooth.mean())
     total_length = np.concatenate([[0.0], np.cumsum(smooth)])
@@ -183,8 +180,7 @@ def lay_out(
         used = np.unique(quads)
         flat = base.uv[:, ::-1].copy() if name == "head" else base.uv * [1.0, -1.0]
         if name == "head":
-            sides = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
-            edges = np.unique(np.sort(sides, axis=1), axis=0)
+            edges = np.unique(np.sort(sides(quads), axis=1), axis=0)
             flat = np.stack([_equalise(flat[:, k], edges, points) for k in (0, 1)], axis=1)
         low, high = flat[used].min(axis=0), flat[used].max(axis=0)
         left, top, right, bottom = TILES[name]

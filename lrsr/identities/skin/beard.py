@@ -12,10 +12,10 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from lrsr.identities.ramp import smoothstep
-from lrsr.identities.skin.canvas import Canvas, FloatMap
+from lrsr.identities.skin.canvas import Canvas, FloatMap, bend_strands
 
-BeardKind = Literal["none", "stubble", "moustache", "goatee", "chin", "full"]
-BEARD_KINDS: tuple[BeardKind, ...] = get_args(BeardKind)
+_BeardKind = Literal["none", "stubble", "moustache", "goatee", "chin", "full"]
+BEARD_KINDS: tuple[_BeardKind, ...] = get_args(_BeardKind)
 
 JAW = Canvas(left_mm=-135.0, top_mm=20.0, width_mm=270.0, height_mm=140.0, pixel_mm=0.3)
 """The unrolled jaw: arc lengths at ``_RADIUS_MM`` along azimuth and elevation."""
@@ -23,7 +23,6 @@ JAW = Canvas(left_mm=-135.0, top_mm=20.0, width_mm=270.0, height_mm=140.0, pixel
 _CENTRE = np.array([0.0, -35.0, -75.0])
 _RADIUS_MM = 85.0
 _STRANDS = 9000
-_STRAND_POINTS = 4
 _GROUND_LEVEL = 185  # the shadow between hairs is never so dark that they drown in it
 _HAIR_LEVELS = (110, 150, 185, 210, 230, 245, 252)  # thin ones let skin shine through
 
@@ -35,7 +34,7 @@ class Beard(TypedDict):
     of white hairs on the head.
     """
 
-    kind: BeardKind
+    kind: _BeardKind
     density: float
     length_mm: float
     cheek_line_mm: float
@@ -128,7 +127,7 @@ def beard_zones(position: NDArray[Any], lips: FloatMap) -> dict[str, FloatMap]:
     }
 
 
-_WEIGHTS: dict[BeardKind, dict[str, float]] = {
+_WEIGHTS: dict[_BeardKind, dict[str, float]] = {
     "none": {},
     "stubble": {"moustache": 0.85, "chin": 0.95, "jaw": 0.8, "cheeks": 0.3, "neck": 0.45},
     "moustache": {"moustache": 1.0},
@@ -148,9 +147,13 @@ def beard_mask(beard: Beard, zones: dict[str, FloatMap]) -> FloatMap:
     Returns:
         The zones' shape, float32, [0, 1].
     """
+    return _cover(beard["kind"], beard["cheek_line_mm"], zones)
+
+
+def _cover(kind: _BeardKind, cheek_line_mm: float, zones: dict[str, FloatMap]) -> FloatMap:
     mask = np.zeros_like(zones["chin"])
-    reach = 0.5 + beard["cheek_line_mm"] / 25.0
-    for name, weight in _WEIGHTS[beard["kind"]].items():
+    reach = 0.5 + cheek_line_mm / 25.0
+    for name, weight in _WEIGHTS[kind].items():
         share = weight * (max(0.0, min(1.5, 1.6 * reach)) if name == "cheeks" else 1.0)
         np.maximum(mask, np.float32(min(1.0, share)) * zones[name], out=mask)
     return mask
@@ -165,16 +168,7 @@ def shadow_mask(zones: dict[str, FloatMap]) -> FloatMap:
     Returns:
         The zones' shape, float32, [0, 1].
     """
-    stubble: Beard = {
-        "kind": "stubble",
-        "density": 1.0,
-        "length_mm": 1.0,
-        "cheek_line_mm": 0.0,
-        "shadow": 1.0,
-        "patchiness": 0.0,
-        "grey": 1.0,
-    }
-    shown = np.minimum(np.float32(1.2) * beard_mask(stubble, zones), 1)
+    shown = np.minimum(np.float32(1.2) * _cover("stubble", 0.0, zones), 1)
     return np.asarray(shown, dtype=np.float32)
 
 
@@ -203,12 +197,7 @@ def beard_strands(beard: Beard, rng: Generator) -> NDArray[np.float64]:
     angle += rng.normal(0.0, 0.34, count)
     bend = rng.normal(0.0, 0.3, count)
     length = np.clip(beard["length_mm"], 1.0, 4.5) * rng.uniform(0.7, 2.0, count)
-    steps = (np.arange(_STRAND_POINTS - 1) + 0.5) / (_STRAND_POINTS - 1)
-    turn = angle[:, None] + bend[:, None] * steps
-    step = (length / (_STRAND_POINTS - 1))[:, None]
-    moves = np.stack([step * np.cos(turn), step * np.sin(turn)], axis=-1)
-    path = np.concatenate([np.zeros((count, 1, 2)), np.cumsum(moves, axis=1)], axis=1)
-    return np.asarray(root[:, None] + path)
+    return np.asarray(root[:, None] + bend_strands(length, angle, bend))
 
 
 def draw_beard(beard: Beard, rng: Generator) -> NDArray[np.uint8]:

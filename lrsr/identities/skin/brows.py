@@ -7,19 +7,18 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from lrsr.identities.skin.canvas import Canvas
+from lrsr.identities.skin.canvas import STRAND_POINTS, Canvas, bend_strands
 
 FloatArray = NDArray[np.float64]
 
 CANVAS = Canvas(left_mm=-66.0, top_mm=48.0, width_mm=132.0, height_mm=52.0)
 """The part of the frontal sheet that brows may cover."""
 
-BASE_HEIGHT_MM = 16.0
+_BASE_HEIGHT_MM = 16.0
 """Height of the template's brow ridge over the pupils; ``height_mm`` is counted from here."""
 
 _STRANDS = 420
 _REFERENCE_THICKNESS_MM = 4.2
-_STRAND_POINTS = 4
 _LAYERS = 8  # hairs of different layers cover each other in part
 _HAIR_LEVELS = (84, 108, 132, 156)  # opacity of a hair drawn one pixel (0.2 mm) wide, of 255
 _SHADE_BLUR_MM = 0.9
@@ -90,7 +89,7 @@ def brow_line(brows: Brows, along: FloatArray) -> FloatArray:
     fall = np.clip((along - peak) / (1 - peak), 0, 1)
     x = brows["start_mm"] + along * (brows["end_mm"] - brows["start_mm"])
     y = (
-        BASE_HEIGHT_MM
+        _BASE_HEIGHT_MM
         + brows["height_mm"]
         + brows["arch_mm"] * (np.sin(0.5 * np.pi * rise) - 0.85 * fall**1.7)
         + brows["slope_mm"] * (along - 0.4)
@@ -153,26 +152,9 @@ def brow_strands(brows: Brows, rng: Generator) -> FloatArray:
     limit = np.clip(0.45 * thickness / brows["thickness_mm"] + 0.55, 0.5, 1.0)
     length = brows["strand_mm"] * rng.uniform(0.55, 1.1, count) * limit
     length = np.minimum(length, 2.2 + 1.3 * thickness)
-    steps = (np.arange(_STRAND_POINTS - 1) + 0.5) / (_STRAND_POINTS - 1)
-    angle = start[:, None] + (end - start)[:, None] * steps
-    step = (length / (_STRAND_POINTS - 1))[:, None]
-    moves = np.stack([step * np.cos(angle), step * np.sin(angle)], axis=-1)
-    backwards = (1 - upright)[:, None] * 0.45 * moves.sum(axis=1)
-    path = np.concatenate([np.zeros((count, 1, 2)), np.cumsum(moves, axis=1)], axis=1)
+    path = bend_strands(length, start, end - start)
+    backwards = (1 - upright)[:, None] * 0.45 * path[:, -1]
     return np.asarray(root[:, None] - backwards[:, None] + path)
-
-
-def draw_brows(brows: Brows, rng: Generator) -> NDArray[np.uint8]:
-    """Draw both eyebrows.
-
-    Args:
-        brows: As :func:`sample_brows` draws them.
-        rng: Source of randomness.
-
-    Returns:
-        The opacity of hair over skin on ``CANVAS``, ``(H, W)`` uint8, 0..255.
-    """
-    return cover_brows(lay_brows(brows, rng))
 
 
 def lay_brows(brows: Brows, rng: Generator) -> FloatArray:
@@ -222,9 +204,9 @@ def cover_brows(hairs: FloatArray) -> NDArray[np.uint8]:
 def _bridge_strands(brows: Brows, rng: Generator) -> FloatArray:
     count = max(1, round(60 * brows["bridge"]))
     x = rng.uniform(-brows["start_mm"], brows["start_mm"], count)
-    y = BASE_HEIGHT_MM + brows["height_mm"] - 1.5 + rng.normal(0.0, 1.6, count)
+    y = _BASE_HEIGHT_MM + brows["height_mm"] - 1.5 + rng.normal(0.0, 1.6, count)
     angle = 0.5 * np.pi - 0.9 * x / brows["start_mm"] + rng.normal(0.0, 0.2, count)
     length = rng.uniform(2.0, 4.5, count)
-    steps = np.linspace(0.0, 1.0, _STRAND_POINTS)
+    steps = np.linspace(0.0, 1.0, STRAND_POINTS)
     move = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * length[:, None]
     return np.asarray(np.stack([x, y], axis=-1)[:, None] + steps[:, None] * move[:, None])

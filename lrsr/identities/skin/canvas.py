@@ -14,8 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 
 FloatMap = NDArray[np.float32]
 
-_SUBPIXEL_BITS = 4
+SUBPIXEL_BITS = 4
+"""OpenCV draws corners that are given in sixteenths of a pixel."""
+
 _LIST_WIDTH = 1024
+STRAND_POINTS = 4
+"""Of the polyline of a hair of brows or beards."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,17 @@ class Canvas:
         row = (np.float32(self.top_mm) - points[..., 1]) / np.float32(self.pixel_mm)
         return np.stack([column, row], axis=-1) - np.float32(0.5)
 
+    def to_corners(self, points_mm: ArrayLike) -> NDArray[np.int32]:
+        """Turn template points into what OpenCV draws with ``shift=SUBPIXEL_BITS``.
+
+        Args:
+            points_mm: ``(..., 2 or 3)``, mm.
+
+        Returns:
+            ``(..., 2)`` int32, column and row.
+        """
+        return np.round(self.to_pixels(points_mm) * (1 << SUBPIXEL_BITS)).astype(np.int32)
+
     def blank(self) -> NDArray[np.uint8]:
         """Return an empty sheet, ``(H, W)`` uint8."""
         return np.zeros(self.shape, dtype=np.uint8)
@@ -81,13 +96,12 @@ class Canvas:
             strands_mm: ``(N, K, 2)``, the polyline of each hair, mm.
             levels: ``(L,)`` grey levels, 0..255; the strands are dealt to them in equal shares.
         """
-        scale = 1 << _SUBPIXEL_BITS
-        pixels = np.round(self.to_pixels(strands_mm) * scale).astype(np.int32)
+        corners = self.to_corners(strands_mm)
         levels = np.asarray(levels, dtype=np.int64)
         for index, level in enumerate(levels):
-            group = list(pixels[index :: len(levels)])
+            group = list(corners[index :: len(levels)])
             if group:
-                cv2.polylines(sheet, group, False, int(level), 1, cv2.LINE_AA, shift=_SUBPIXEL_BITS)
+                cv2.polylines(sheet, group, False, int(level), 1, cv2.LINE_AA, SUBPIXEL_BITS)
 
     def draw_dots(
         self,
@@ -104,19 +118,10 @@ class Canvas:
             radii_mm: ``(N,)``, mm, > 0.
             levels: ``(N,)``, 0..255.
         """
-        scale = 1 << _SUBPIXEL_BITS
-        pixels = np.round(self.to_pixels(centres_mm) * scale).astype(np.int64)
-        for (column, row), radius, level in zip(pixels, radii_mm, levels, strict=True):
-            size = max(1, round(float(radius) / self.pixel_mm * scale))
-            cv2.circle(
-                sheet,
-                (int(column), int(row)),
-                size,
-                int(level),
-                -1,
-                cv2.LINE_AA,
-                shift=_SUBPIXEL_BITS,
-            )
+        corners = self.to_corners(centres_mm).tolist()
+        for corner, radius, level in zip(corners, radii_mm, levels, strict=True):
+            size = max(1, round(float(radius) / self.pixel_mm * (1 << SUBPIXEL_BITS)))
+            cv2.circle(sheet, corner, size, int(level), -1, cv2.LINE_AA, SUBPIXEL_BITS)
 
     def fill_polygon(
         self, sheet: NDArray[np.uint8], outline_mm: NDArray[np.floating[Any]], level: int = 255
@@ -128,9 +133,7 @@ class Canvas:
             outline_mm: ``(N, 2)``, mm.
             level: Grey level, 0..255.
         """
-        scale = 1 << _SUBPIXEL_BITS
-        pixels = np.round(self.to_pixels(outline_mm) * scale).astype(np.int32)
-        cv2.fillPoly(sheet, [pixels], level, cv2.LINE_AA, shift=_SUBPIXEL_BITS)
+        cv2.fillPoly(sheet, [self.to_corners(outline_mm)], level, cv2.LINE_AA, SUBPIXEL_BITS)
 
     def sample(self, sheet: NDArray[Any], pixels: FloatMap) -> NDArray[Any]:
         """Read the sheet at positions of :meth:`to_pixels`, bilinear, 0 outside.
@@ -150,3 +153,27 @@ class Canvas:
             return self.sample(sheet, grid).reshape(-1)[: len(pixels)] if rows else sheet[:0, 0]
         sampled = cv2.remap(sheet, pixels, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
         return np.asarray(sampled)
+
+
+def bend_strands(
+    length_mm: NDArray[np.float64], angle: NDArray[np.float64], bend: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Lay hairs that bend evenly along their way, each from its own origin.
+
+    Args:
+        length_mm: ``(N,)``.
+        angle: ``(N,)``, at the root, radians from x to y.
+        bend: ``(N,)``, what a hair turns by from root to tip, radians.
+
+    Returns:
+        ``(N, 4, 2)``, mm.
+
+    Example:
+        >>> bend_strands(np.array([3.0]), np.zeros(1), np.zeros(1))[0, :, 0]
+        array([0., 1., 2., 3.])
+    """
+    pieces = STRAND_POINTS - 1
+    turn = angle[:, None] + bend[:, None] * ((np.arange(pieces) + 0.5) / pieces)
+    step = (length_mm / pieces)[:, None]
+    moves = np.stack([step * np.cos(turn), step * np.sin(turn)], axis=-1)
+    return np.concatenate([np.zeros((len(turn), 1, 2)), np.cumsum(moves, axis=1)], axis=1)

@@ -19,6 +19,7 @@ from lrsr.identities.skin.beard import Beard
 from lrsr.identities.skin.brows import Brows
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.hair_colour import HairColour, hair_rgb
+from lrsr.identities.skin.layout import Box, Layout
 from lrsr.identities.skin.make_up import MakeUp
 
 _WARM = np.array([1.6, 1.0, 0.6], dtype=np.float32)  # skin shines through the hairs
@@ -35,19 +36,17 @@ class FeaturePainter:
     """Paints make-up, beards and brows of any number of people into one texture layout.
 
     Args:
-        position: ``(H, W, 3)`` float32, the template point of each texel, mm.
-        vertices: ``(V, 3)``, the template's vertices that beards thicken, mm.
-        texel_mm: Size of a texel on the face, mm, > 0.
+        layout: The texture.
+        vertices: ``(V, 3)`` float32, the template's vertices that beards thicken, mm.
     """
 
-    def __init__(self, position: FloatMap, vertices: NDArray[Any], texel_mm: float) -> None:
-        self._texel_mm = texel_mm
+    def __init__(self, layout: Layout, vertices: FloatMap) -> None:
+        position, self._lips, self._texel_mm = layout.position, layout.lips, layout.texel_mm
         face_pixels = regions.FACE.to_pixels(position)
         self._front = regions.front(position)
-        self._lips = regions.lip_mask(position, face_pixels)
         self._contact = regions.lip_contact(position) * self._lips
         self._cheeks = regions.blob(position, _CHEEKBONE_MM, (13.0, 8.0, 30.0)) * self._front
-        self._lids = regions.blood_regions(position)["lids"]
+        self._lids = regions.lids(position)
         self._liner = regions.lid_margin(face_pixels, 2.8, upper=True) * self._front
         self._lash_line = regions.lid_margin(face_pixels, 1.9, upper=True) * self._front
         cheek = self._cheeks > np.float32(0.8)
@@ -56,7 +55,6 @@ class FeaturePainter:
         self._jaw_pixels = beards.JAW.to_pixels(beards.to_jaw(position))
         self._zones = beards.beard_zones(position, self._lips)
         self._shadow = beards.shadow_mask(self._zones)
-        vertices = np.asarray(vertices, dtype=np.float32)
         self._vertex_pixels = beards.JAW.to_pixels(beards.to_jaw(vertices))
         vertex_lips = regions.lip_mask(vertices, regions.FACE.to_pixels(vertices))
         self._vertex_zones = beards.beard_zones(vertices, vertex_lips)
@@ -131,14 +129,13 @@ class FeaturePainter:
         Returns:
             How far the beard stands out at each vertex, ``(V,)`` float32, mm.
         """
-        relief = np.zeros(len(self._vertex_pixels), dtype=np.float32)
         colour = hair_rgb(hair, darker=2.0, grey=beard["grey"])
         if beard["shadow"] > 0:
             dark = 1 - min(1.0, 4.0 * float(colour.mean()))
             opacity = np.float32(0.42 * beard["shadow"] * dark) * self._shadow
             _cover(albedo, (0.055, 0.058, 0.064), opacity)
         if beard["kind"] == "none":
-            return relief
+            return np.zeros(len(self._vertex_pixels), dtype=np.float32)
         sheet = beards.draw_beard(beard, rng)
         tufts = beards.thin_out(beard, rng, sheet.shape)
         sheet = np.asarray(cv2.multiply(sheet, tufts, dtype=cv2.CV_8U), dtype=np.uint8)
@@ -147,10 +144,10 @@ class FeaturePainter:
         mask = beards.beard_mask(beard, self._zones)
         paint = _cover if beard["grey"] * hair["grey"] > _WHITE_BEARD else _shade
         paint(albedo, colour, beards.feather(opacity / np.float32(255), mask))
-        if len(relief) and beard["kind"] != "stubble":
-            length = np.float32(0.7 * beard["length_mm"] * min(1.0, beard["density"]))
-            thick = beards.JAW.sample(tufts, self._vertex_pixels)
-            relief = length * thick * beards.beard_mask(beard, self._vertex_zones)
+        length = 0.7 * beard["length_mm"] * min(1.0, beard["density"])
+        length = 0.0 if beard["kind"] == "stubble" else length
+        thick = beards.JAW.sample(tufts, self._vertex_pixels)
+        relief = np.float32(length) * thick * beards.beard_mask(beard, self._vertex_zones)
         return np.asarray(relief, dtype=np.float32)
 
     def _soften(self, sheet: NDArray[np.uint8], pixel_mm: float) -> NDArray[np.uint8]:
@@ -161,11 +158,9 @@ class FeaturePainter:
 
 def _cover(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
     """Paint a colour over the albedo in place, within the box that the opacity touches."""
-    rows, columns = (np.flatnonzero(opacity.any(axis=axis)) for axis in (1, 0))
-    if rows.size:
-        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-        part = albedo[box]
-        part += (np.asarray(colour, dtype=np.float32) - part) * opacity[box][..., None]
+    box = _touched(opacity)
+    part = albedo[box]
+    part += (np.asarray(colour, dtype=np.float32) - part) * opacity[box][..., None]
 
 
 def _shade(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
@@ -174,9 +169,15 @@ def _shade(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
     Light reaches that skin past hairs and leaves past hairs, so what is half covered is not the
     mean of both colours, which looks like ash, but darker and warmer: their geometric mean.
     """
+    box = _touched(opacity)
+    bare = np.maximum(albedo[box], np.float32(1e-4))
+    ratio = np.log(np.asarray(colour, dtype=np.float32) / bare)
+    albedo[box] = bare * np.exp(ratio * opacity[box][..., None])
+
+
+def _touched(opacity: FloatMap) -> Box:
+    """Return the box in which an opacity is not zero; an empty one if it is everywhere."""
     rows, columns = (np.flatnonzero(opacity.any(axis=axis)) for axis in (1, 0))
-    if rows.size:
-        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-        bare = np.maximum(albedo[box], np.float32(1e-4))
-        ratio = np.log(np.asarray(colour, dtype=np.float32) / bare)
-        albedo[box] = bare * np.exp(ratio * opacity[box][..., None])
+    if not rows.size:
+        return slice(0, 0), slice(0, 0)
+    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)

@@ -107,15 +107,17 @@ def tiles(texture_size: int) -> Tiles:
     """
     if texture_size != FULL_TEXTURE:
         size = max(1, round(TILE_TEXELS * texture_size / FULL_TEXTURE))
-        return Tiles(*(_resized(tile, size) for tile in tiles(FULL_TEXTURE)))
-    rng = np.random.default_rng(_TILE_SEED)
-    drawn = Tiles(
-        _pores(rng, spacing=3.4, radius=0.75),
-        _pores(rng, spacing=5.6, radius=1.25),
-        _creases(rng, spacing=4.2),
-        _noise(rng, 2.2) + np.float32(0.6) * _noise(rng, 4.5),
-        _noise(rng, 0.7),
-    )
+        full = tiles(FULL_TEXTURE)
+        drawn = Tiles(*(cv2.resize(t, (size, size), interpolation=cv2.INTER_AREA) for t in full))
+    else:
+        rng = np.random.default_rng(_TILE_SEED)
+        drawn = Tiles(
+            _pores(rng, spacing=3.4, radius=0.75),
+            _pores(rng, spacing=5.6, radius=1.25),
+            _creases(rng, spacing=4.2),
+            _noise(rng, 2.2) + np.float32(0.6) * _noise(rng, 4.5),
+            _noise(rng, 0.7),
+        )
     for tile in drawn:
         tile.flags.writeable = False
     return drawn
@@ -203,12 +205,6 @@ class GrainPainter:
             borderMode=cv2.BORDER_REFLECT,
         )
         height[self._lip_box] += np.float32(0.5 * depth_mm) * wave * self._furrows
-
-
-def _resized(tile: FloatMap, size: int) -> FloatMap:
-    smaller = np.asarray(cv2.resize(tile, (size, size), interpolation=cv2.INTER_AREA))
-    smaller.flags.writeable = False
-    return smaller
 
 
 def _blur(tile: FloatMap, sigma: float) -> FloatMap:

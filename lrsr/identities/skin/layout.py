@@ -1,16 +1,15 @@
 """Where in a texture does the skin lie? Everything about a layout that no person changes."""
 
-from typing import Any
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from lrsr.identities.shape.position_map import PositionMap
 from lrsr.identities.skin import regions
 from lrsr.identities.skin.canvas import FloatMap
 
-COARSE = 256
+_COARSE = 256
 """Rows of the maps of everything that changes over several millimetres."""
 
 Box = tuple[slice, slice]
@@ -20,33 +19,23 @@ class Layout:
     """A texture of the skin.
 
     Args:
-        position_map: ``(H, W, 3)`` float32, the template point of each texel, mm.
-        mask: ``(H, W)`` bool, which texels lie on the skin.
+        chart: The template point of each texel.
 
     Attributes:
-        position: ``(H, W, 3)`` float32; beyond the mask the nearest skin's.
-        coarse: The same in at most ``COARSE`` rows.
+        position: ``(H, W, 3)`` float32, mm; beyond the skin the nearest skin's.
+        coarse: The same in at most ``_COARSE`` rows.
         texel_mm: Size of a texel on the face, mm.
         face: The box that holds the face, without the islands of what hides inside the head.
         face_pixels: ``(h, w, 2)``, the box's texels on ``regions.FACE``.
         front: ``(h, w)``, 1 in front, 0 behind the temples.
         lips: ``(H, W)``, the vermilion and the mouth's inside, [0, 1].
         bare: ``(h, w)``, skin in front without the lips, [0, 1].
-
-    Raises:
-        ValueError: The shapes disagree or the mask is empty.
     """
 
-    def __init__(self, position_map: NDArray[Any], mask: NDArray[np.bool_]) -> None:
-        if position_map.shape != (*mask.shape, 3):
-            raise ValueError(
-                f"position_map {position_map.shape} and mask {mask.shape} do not belong together"
-            )
-        if not mask.any():
-            raise ValueError("the mask is empty: no texel lies on the skin")
+    def __init__(self, chart: PositionMap) -> None:
+        self.position, mask = chart
         self.shape = mask.shape
-        self.position = _fill_outside(position_map, mask)
-        size = tuple(min(COARSE, extent) for extent in reversed(mask.shape))
+        size = tuple(min(_COARSE, extent) for extent in reversed(mask.shape))
         self.coarse = cv2.resize(self.position, size, interpolation=cv2.INTER_AREA)
         self.texel_mm = _texel_size(self.position, mask)
         front = regions.front(self.position)
@@ -94,12 +83,6 @@ def largest_box(mask: NDArray[np.bool_]) -> Box:
     largest = int(np.bincount(labels.ravel())[1:].argmax())
     box: Box = ndimage.find_objects(labels)[largest]
     return box
-
-
-def _fill_outside(position_map: NDArray[Any], mask: NDArray[np.bool_]) -> FloatMap:
-    """Give texels beyond the mask the nearest skin's position, so that borders never bleed."""
-    nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
-    return np.ascontiguousarray(position_map[tuple(nearest)], dtype=np.float32)
 
 
 def _texel_size(position: FloatMap, mask: NDArray[np.bool_]) -> float:

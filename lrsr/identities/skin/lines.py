@@ -14,12 +14,11 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
-from lrsr.identities.skin.canvas import Canvas, FloatMap
+from lrsr.identities.skin.canvas import SUBPIXEL_BITS, Canvas, FloatMap
 
-_SUBPIXEL_BITS = 4
 _VALLEY_MM = 1.5
 _TAPER_STEPS = 7
-WIDTHS_MM = (0.5, 0.8, 1.2, 1.8, 2.6)
+_WIDTHS_MM = (0.5, 0.8, 1.2, 1.8, 2.6)
 """Standard deviations of the profiles that grooves can have."""
 
 
@@ -94,16 +93,15 @@ class Engraving:
         Args:
             path_mm: ``(K, 2)`` corner points, smoothed by a spline-like subdivision; K > 2.
             depth_mm: Greatest depth, mm; nothing happens between -0.01 and 0.01.
-            width_mm: Standard deviation of the profile, mm; the nearest of ``WIDTHS_MM`` is taken.
+            width_mm: Standard deviation of the profile, mm; the nearest of ``_WIDTHS_MM`` is taken.
         """
         if abs(depth_mm) < 0.01:
             return
-        width = min(WIDTHS_MM, key=lambda known: abs(np.log(known / width_mm)))
+        width = min(_WIDTHS_MM, key=lambda known: abs(np.log(known / width_mm)))
         if width not in self._plates:
             self._plates[width] = np.zeros(self._canvas.shape, dtype=np.float32)
         path = _smoothing(len(np.asarray(path_mm))) @ np.asarray(path_mm, dtype=np.float64)
-        pixels = self._canvas.to_pixels(path)
-        corners = np.round(pixels * (1 << _SUBPIXEL_BITS)).astype(np.int32)
+        corners = self._canvas.to_corners(path)
         # A line one pixel wide loses sigma sqrt(2 pi) of its height to the blur.
         level = depth_mm * width / self._canvas.pixel_mm * np.sqrt(2 * np.pi)
         cuts = np.unique(np.linspace(0, len(path) - 1, _TAPER_STEPS + 1).astype(int))
@@ -111,9 +109,7 @@ class Engraving:
             taper = np.sin(np.pi * (begin + end) / 2 / (len(path) - 1)) ** 0.7
             run = [corners[begin : end + 1]]
             line = float(-level * taper)
-            cv2.polylines(
-                self._plates[width], run, False, line, 1, cv2.LINE_8, shift=_SUBPIXEL_BITS
-            )
+            cv2.polylines(self._plates[width], run, False, line, 1, cv2.LINE_8, SUBPIXEL_BITS)
 
     def heights(self) -> FloatMap:
         """Return what has been carved: ``(H, W)`` float32, mm, grooves below 0."""

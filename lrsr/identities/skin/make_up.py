@@ -5,7 +5,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.random import Generator
 
-LIPSTICKS = {
+_LIPSTICKS = {
     "nude": (0.30, 0.115, 0.090),
     "rose": (0.34, 0.095, 0.095),
     "mauve": (0.26, 0.080, 0.088),
@@ -73,18 +73,18 @@ def sample_make_up(rng: Generator, *, masculinity: float, age: float) -> MakeUp:
         Plain numbers.
     """
     wears = (1 - masculinity) ** 2 if masculinity < 0.5 else 0.0
-    shade = list(LIPSTICKS.values())[rng.choice(len(LIPSTICKS), p=_LIPSTICK_SHARES)]
+    shade = list(_LIPSTICKS.values())[rng.choice(len(_LIPSTICKS), p=_LIPSTICK_SHARES)]
     tint = np.exp(rng.normal(0.0, 0.12, 3))
-    drawn: MakeUp = {
-        "lipstick": float(rng.uniform(0.25, 0.75)) if rng.random() < 0.65 * wears else 0.0,
+
+    def opacity(share: float, low: float, high: float, fades: float) -> float:
+        worn = rng.random() < share * wears
+        return float(rng.uniform(low, high)) * (1 - fades * age) if worn else 0.0
+
+    return {
+        "lipstick": opacity(0.65, 0.25, 0.75, 0.15),
         "lipstick_colour": [float(channel) for channel in np.asarray(shade) * tint],
-        "eyeliner": float(rng.uniform(0.45, 0.95)) if rng.random() < 0.95 * wears else 0.0,
-        "eyeshadow": float(rng.uniform(0.15, 0.55)) if rng.random() < 0.60 * wears else 0.0,
+        "eyeliner": opacity(0.95, 0.45, 0.95, 0.35),
+        "eyeshadow": opacity(0.60, 0.15, 0.55, 0.5),
         "eyeshadow_colour": list(_EYESHADOWS[rng.integers(len(_EYESHADOWS))]),
-        "blush": float(rng.uniform(0.08, 0.24)) if rng.random() < 0.40 * wears else 0.0,
+        "blush": opacity(0.40, 0.08, 0.24, 0.5),
     }
-    drawn["lipstick"] *= 1 - 0.15 * age
-    drawn["eyeliner"] *= 1 - 0.35 * age
-    drawn["eyeshadow"] *= 1 - 0.5 * age
-    drawn["blush"] *= 1 - 0.5 * age
-    return drawn

@@ -18,7 +18,7 @@ from lrsr.identities.skin.make_up import Lips
 from lrsr.identities.skin.marks import LOG_MELANIN_PER_LEVEL, Marks, draw_capillaries, draw_marks
 from lrsr.identities.skin.tone import tone_map
 
-CAVITY_PER_MM = (0.7, 1.3)
+_CAVITY_PER_MM = (0.7, 1.3)
 """A groove of 1 mm looks as if the logarithms of melanin and blood were larger by this: light is
 reflected to and fro in it, and each time gets darker and redder. Set by eye."""
 
@@ -38,7 +38,7 @@ class PigmentPainter:
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
-        self._regions = regions.blood_regions(layout.coarse) | {"cheeks": _cheeks(layout.coarse)}
+        self._regions = regions.blood_regions(layout.coarse)
         self._shades = _shades(layout.coarse)
         self._noise_pixels = _noise_pixels(layout.coarse)
         self._lips = Patches(layout.lips)
@@ -83,8 +83,8 @@ class PigmentPainter:
         self._lips.add(blood, lips["blood"] * (1 - skin["lip_fading"]))
         self._waterline.add(blood, 0.6)
         face, of_marks = self._layout.face, LOG_MELANIN_PER_LEVEL * contrast**0.5
-        melanin[face] += np.float32(-CAVITY_PER_MM[0] * contrast) * groove
-        blood[face] += np.float32(-CAVITY_PER_MM[1]) * groove
+        melanin[face] += np.float32(-_CAVITY_PER_MM[0] * contrast) * groove
+        blood[face] += np.float32(-_CAVITY_PER_MM[1]) * groove
         self._mark(melanin[face], draw_marks(marks, regions.FACE), of_marks)
         if marks["capillaries"]:
             self._mark(blood[face], draw_capillaries(marks, regions.FACE), 1.2 / 255)
@@ -152,13 +152,6 @@ def melanin_contrast(melanin: float) -> float:
         (1.0, 0.29)
     """
     return float(min(1.0, (_EVEN_MELANIN / melanin) ** 0.6))
-
-
-def _cheeks(position: FloatMap) -> FloatMap:
-    """A flush without an outline: broad, stronger on the apples, fading towards jaw and temples."""
-    broad = regions.blob(position, (40.0, -34.0, -10.0), (21.0, 19.0, 45.0))
-    apples = regions.blob(position, (31.0, -31.0, 0.0), (11.0, 10.0, 30.0))
-    return np.asarray(np.float32(0.6) * broad + np.float32(0.35) * apples, dtype=np.float32)
 
 
 def _shades(position: FloatMap) -> dict[str, FloatMap]:

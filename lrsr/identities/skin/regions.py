@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.identities.ramp import smoothstep
-from lrsr.identities.skin.canvas import Canvas, FloatMap
+from lrsr.identities.skin.canvas import SUBPIXEL_BITS, Canvas, FloatMap
 
 FACE = Canvas(left_mm=-84.0, top_mm=100.0, width_mm=168.0, height_mm=230.0, pixel_mm=0.4)
 """Frontal sheet for everything coarser than a hair."""
@@ -118,10 +118,10 @@ def lid_margin(pixels: FloatMap, width_mm: float, *, upper: bool = False) -> Flo
     """
     sheet = FACE.blank()
     for side in (-1, 1):
-        outline = FACE.to_pixels(lid_rim(side)[:12] if upper else lid_rim(side))
-        points = [np.round(outline * 16).astype(np.int32)]
+        rim = lid_rim(side)
+        points = [FACE.to_corners(rim[:12] if upper else rim)]
         thickness = max(1, round(width_mm / FACE.pixel_mm))
-        cv2.polylines(sheet, points, not upper, 255, thickness, cv2.LINE_AA, shift=4)
+        cv2.polylines(sheet, points, not upper, 255, thickness, cv2.LINE_AA, SUBPIXEL_BITS)
     sheet = cv2.GaussianBlur(sheet, (0, 0), 0.3 * width_mm / FACE.pixel_mm)
     return np.asarray(FACE.sample(sheet, pixels) / np.float32(255), dtype=np.float32)
 
@@ -136,16 +136,28 @@ def blood_regions(position: NDArray[Any]) -> dict[str, FloatMap]:
         Name to ``(H, W)`` float32, [0, 1]: cheeks, nose, ears, lids, chin, forehead, circles.
     """
     return {
-        "cheeks": blob(position, (38.0, -34.0, -8.0), (15.0, 14.0, 40.0)),
+        "cheeks": _cheeks(position),
         "nose": blob(position, (3.0, -41.0, 18.0), (11.0, 12.0, 18.0)),
         "ears": smoothstep(72.0, 79.0, np.abs(position[..., 0]))
         * blob(position, (80.0, -18.0, -95.0), (30.0, 26.0, 26.0)),
-        "lids": blob(position, (31.0, 4.0, 0.0), (12.0, 4.5, 20.0)),
+        "lids": lids(position),
         "chin": blob(position, (0.0, -102.0, 5.0), (15.0, 10.0, 25.0)),
         "forehead": blob(position, (0.0, 52.0, 10.0), (38.0, 18.0, 40.0)),
         "circles": blob(position, (26.0, -11.5, -3.0), (10.5, 4.5, 15.0))
         + np.float32(0.6) * blob(position, (17.5, -1.0, -3.0), (4.0, 7.0, 15.0)),
     }
+
+
+def _cheeks(position: NDArray[Any]) -> FloatMap:
+    """A flush without an outline: broad, stronger on the apples, fading towards jaw and temples."""
+    broad = blob(position, (40.0, -34.0, -10.0), (21.0, 19.0, 45.0))
+    apples = blob(position, (31.0, -31.0, 0.0), (11.0, 10.0, 30.0))
+    return np.asarray(np.float32(0.6) * broad + np.float32(0.35) * apples, dtype=np.float32)
+
+
+def lids(position: NDArray[Any]) -> FloatMap:
+    """The upper lids up to the brows, [0, 1]."""
+    return blob(position, (31.0, 4.0, 0.0), (12.0, 4.5, 20.0))
 
 
 def nostrils(position: NDArray[Any]) -> FloatMap:

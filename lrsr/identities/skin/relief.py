@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-MESH_DETAIL_MM = 1.6
+_MESH_DETAIL_MM = 1.6
 """Standard deviation of the blur that leaves what the vertices, about 2 mm apart, can carry."""
 
 
@@ -26,7 +26,7 @@ def split_heights(
         coarse: ``(H, W)``, for the vertices, mm.
         fine: ``(H, W)``, for the map; the two add up to ``heights``.
     """
-    coarse = np.asarray(cv2.GaussianBlur(heights, (0, 0), MESH_DETAIL_MM / pixel_mm))
+    coarse = np.asarray(cv2.GaussianBlur(heights, (0, 0), _MESH_DETAIL_MM / pixel_mm))
     return coarse, heights - coarse
 
 

@@ -18,23 +18,23 @@ FloatArray = NDArray[np.float64]
 MELANIN_RANGE = (0.002, 0.6)
 """Volume fraction of melanosomes in the epidermis that the table covers."""
 
-BLOOD_RANGE = (0.002, 0.4)
+_BLOOD_RANGE = (0.002, 0.4)
 """Volume fraction of whole blood in the dermis that the table covers."""
 
 TABLE_SIZE = 48
-CHROMA = (0.82, 0.70, 0.55, 0.46)
+_CHROMA = (0.82, 0.70, 0.55, 0.46)
 """Share of the model's saturation that is kept at these melanin fractions (constant beyond): bare,
 it is too orange, the more so the darker the skin. Measured skin is most colourful at L* of about 55
 (C* 22 to 24) and less so both above and below: C* 17 to 20 at L* 38 to 42, 14 to 16 at L* 30, hue
 angles of 45° to 60° (Wang et al. 2015, "Measuring human skin colour"; Xiao et al. 2017).
 """
-CHROMA_MELANIN = (0.03, 0.1, 0.2, 0.32)
-GAIN = 1.12
+_CHROMA_MELANIN = (0.03, 0.1, 0.2, 0.32)
+_GAIN = 1.12
 """The bare model is too dark."""
 
-EPIDERMIS_MM = 0.06
-OXYGENATION = 0.75
-REFRACTIVE_INDEX = 1.4
+_EPIDERMIS_MM = 0.06
+_OXYGENATION = 0.75
+_REFRACTIVE_INDEX = 1.4
 
 WAVELENGTHS_NM = np.arange(400.0, 701.0, 10.0)
 
@@ -106,7 +106,7 @@ def blood_absorption() -> FloatArray:
     Returns:
         ``(31,)``, mm⁻¹.
     """
-    extinction = OXYGENATION * _numbers(_OXYHAEMOGLOBIN) + (1 - OXYGENATION) * _numbers(
+    extinction = _OXYGENATION * _numbers(_OXYHAEMOGLOBIN) + (1 - _OXYGENATION) * _numbers(
         _HAEMOGLOBIN
     )
     return np.asarray(np.log(10.0) * extinction * 150.0 / 64500.0 / 10.0)
@@ -126,7 +126,7 @@ def diffuse_reflectance(reduced_albedo: ArrayLike) -> FloatArray:
         array([0., 1.])
     """
     albedo = np.asarray(reduced_albedo, dtype=np.float64)
-    eta = REFRACTIVE_INDEX
+    eta = _REFRACTIVE_INDEX
     fresnel = -1.440 / eta**2 + 0.710 / eta + 0.668 + 0.0636 * eta
     mismatch = (1 + fresnel) / (1 - fresnel)
     root = np.sqrt(3 * (1 - albedo))
@@ -149,7 +149,7 @@ def skin_reflectance(melanin: ArrayLike, blood: ArrayLike) -> FloatArray:
     epidermis = fraction_m * melanin_absorption(WAVELENGTHS_NM) + (1 - fraction_m) * base
     dermis = fraction_b * blood_absorption() + (1 - fraction_b) * base
     scattering = 4.6 * (WAVELENGTHS_NM / 500.0) ** -1.42
-    twice = np.exp(-2 * EPIDERMIS_MM * epidermis)
+    twice = np.exp(-2 * _EPIDERMIS_MM * epidermis)
     return np.asarray(twice * diffuse_reflectance(scattering / (scattering + dermis)))
 
 
@@ -180,8 +180,8 @@ def tone(melanin: ArrayLike, blood: ArrayLike) -> FloatArray:
     """
     colour = spectrum_to_linear_srgb(skin_reflectance(melanin, blood))
     grey = (colour @ _LUMINANCE)[..., None]
-    share = np.interp(np.log(np.maximum(melanin, 1e-6)), np.log(CHROMA_MELANIN), CHROMA)
-    return np.asarray(np.clip(GAIN * (grey + share[..., None] * (colour - grey)), 0.001, 0.95))
+    share = np.interp(np.log(np.maximum(melanin, 1e-6)), np.log(_CHROMA_MELANIN), _CHROMA)
+    return np.asarray(np.clip(_GAIN * (grey + share[..., None] * (colour - grey)), 0.001, 0.95))
 
 
 @lru_cache(maxsize=1)
@@ -192,13 +192,13 @@ def tone_table() -> NDArray[np.float32]:
         ``(48, 48, 3)`` float32, linear sRGB; rows run over melanin, columns over blood.
     """
     melanin = np.geomspace(*MELANIN_RANGE, TABLE_SIZE)
-    blood = np.geomspace(*BLOOD_RANGE, TABLE_SIZE)
+    blood = np.geomspace(*_BLOOD_RANGE, TABLE_SIZE)
     table = tone(melanin[:, None], blood[None, :]).astype(np.float32)
     table.flags.writeable = False
     return table
 
 
-def carotene_filter(depth: float) -> NDArray[np.float32]:
+def _carotene_filter(depth: float) -> NDArray[np.float32]:
     """What yellow pigment (carotene, bilirubin) leaves of each channel's light.
 
     Both absorb between 400 and 500 nm: blue, hardly green, no red (Alaluf et al. 2002, "Dietary
@@ -211,7 +211,7 @@ def carotene_filter(depth: float) -> NDArray[np.float32]:
         ``(3,)`` float32, factors.
 
     Example:
-        >>> carotene_filter(0.0)
+        >>> _carotene_filter(0.0)
         array([1., 1., 1.], dtype=float32)
     """
     return np.exp(-depth * np.array([0.0, 0.18, 1.0])).astype(np.float32)
@@ -224,15 +224,15 @@ def tone_map(
 
     Args:
         log_melanin: ``(H, W)``, natural logarithm of the fraction; clamped to ``MELANIN_RANGE``.
-        log_blood: ``(H, W)``, natural logarithm of the fraction; clamped to ``BLOOD_RANGE``.
-        carotene: Optical depth of yellow pigment; see :func:`carotene_filter`.
+        log_blood: ``(H, W)``, natural logarithm of the fraction; clamped to ``_BLOOD_RANGE``.
+        carotene: Optical depth of yellow pigment; see :func:`_carotene_filter`.
 
     Returns:
         ``(H, W, 3)`` float32, linear sRGB reflectance.
     """
-    table = tone_table() * carotene_filter(carotene)
+    table = tone_table() * _carotene_filter(carotene)
     row = _table_position(log_melanin, MELANIN_RANGE)
-    column = _table_position(log_blood, BLOOD_RANGE)
+    column = _table_position(log_blood, _BLOOD_RANGE)
     colour = cv2.remap(table, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(colour, dtype=np.float32)
 

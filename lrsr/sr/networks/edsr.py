@@ -15,7 +15,7 @@ from torch.nn import functional as F
 from lrsr.errors import InputError
 from lrsr.sr.networks.network import Network
 
-MEAN_SRGB = (0.4488, 0.4371, 0.4040)
+_MEAN_SRGB = (0.4488, 0.4371, 0.4040)
 
 #: Bicubic 2x, a = -0.5, a quarter of a pixel to the left: Keys at 0.75, 0.25 and 1.25; the tap at
 #: 1.75 (-0.0234), which three pixels cannot hold, is given to the first.
@@ -55,11 +55,9 @@ class EDSR(Network):
     ) -> None:
         super().__init__()
         if scale not in (2, 4) or not 1 <= blocks <= 256 or features < 3:
-            raise InputError(
-                f"EDSR: scale={scale}, blocks={blocks}, features={features}: wanted scale 2 or 4,"
-                " 1 to 256 blocks, at least 3 features"
-            )
-        self.register_buffer("mean", torch.tensor(MEAN_SRGB).view(3, 1, 1))
+            got = f"EDSR: scale={scale}, blocks={blocks}, features={features}"
+            raise InputError(f"{got}: wanted scale 2 or 4, 1 to 256 blocks, 3 features or more")
+        self.register_buffer("mean", torch.tensor(_MEAN_SRGB).view(3, 1, 1))
         self.head = _conv(3, features)
         self.body = nn.Sequential(*(_Block(features) for _ in range(blocks)))
         self.after = _conv(features, features)

@@ -14,10 +14,10 @@ from torch.nn import functional as F
 from lrsr.sr.networks.network import Network
 
 #: Pixels that the three convolutions take from each side: 4 + 0 + 2.
-BORDER_PX = 6
+_BORDER_PX = 6
 
-Padding = Literal["none", "replicate"]
-Initialisation = Literal["default", "near-identity"]
+_Padding = Literal["none", "replicate"]
+_Initialisation = Literal["default", "near-identity"]
 
 
 class SRCNN(Network):
@@ -41,10 +41,10 @@ class SRCNN(Network):
     in_use = MappingProxyType({"padding": "replicate"})
 
     def __init__(
-        self, *, padding: Padding = "none", initialisation: Initialisation = "default"
+        self, *, padding: _Padding = "none", initialisation: _Initialisation = "default"
     ) -> None:
         super().__init__()
-        self.padding: Padding = padding
+        self.padding: _Padding = padding
         self.extract = nn.Conv2d(1, 64, 9)
         self.map = nn.Conv2d(64, 32, 1)
         self.reconstruct = nn.Conv2d(32, 1, 5)
@@ -73,12 +73,7 @@ class SRCNN(Network):
             (B, 1, H, W), or (B, 1, H - 12, W - 12) without padding; not clipped.
         """
         if self.padding == "replicate":
-            luminance = repeat_edge(luminance)
+            luminance = F.pad(luminance, (_BORDER_PX,) * 4, mode="replicate")
         features = F.relu(self.extract(luminance))
         restored: torch.Tensor = self.reconstruct(F.relu(self.map(features)))
         return restored
-
-
-def repeat_edge(luminance: torch.Tensor) -> torch.Tensor:
-    """Repeat the edge of (B, 1, H, W) as often as SRCNN takes a pixel away: (B, 1, H+12, W+12)."""
-    return F.pad(luminance, (BORDER_PX,) * 4, mode="replicate")

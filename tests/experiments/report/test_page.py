@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from lrsr.errors import ImageContractError, InputError
-from lrsr.evaluation.biometrics import fnmr_at_fmr
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
+from lrsr.evaluation.rates import fnmr_at_fmr
 from lrsr.evaluation.roc import trace_roc
 from lrsr.experiments.report.lines import format_p
 from lrsr.experiments.report.page import Panel, Report, render_html, write_report
@@ -31,7 +31,7 @@ def make_row(option: int, method: str, scores: tuple[np.ndarray, np.ndarray]) ->
         "ipd_px": 8.0,
         "method": method,
         "label": METHODS[method],
-        **estimate_auc(*scores).as_json(),
+        **asdict(estimate_auc(*scores)),
         "psnr_y_db": None if method == "base" else 27.125,
         "fta": 0.025,
         "eer": 0.25,
@@ -47,7 +47,7 @@ def make_report(options: tuple[int, ...] = (1,), **changes: Any) -> Report:
         scores = {method: draw(1.0 + k, 10 * option + k) for k, method in enumerate(METHODS)}
         rows += [make_row(option, method, own) for method, own in scores.items()]
         for method, against in (("srcnn4", "base"), ("bicubic4", "base"), ("srcnn4", "bicubic4")):
-            test = compare_aucs(*scores[method], *scores[against]).as_json()
+            test = asdict(compare_aucs(*scores[method], *scores[against]))
             comparisons.append(
                 {"option": option, "ipd_px": 8.0, "method": method, "against": against, **test}
             )

@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from lrsr.identities.face.eyes import Eyes, find_eyes
 from lrsr.identities.face.lids import (
     MARGIN_POINTS,
+    Lids,
     clear_lids,
     closing_strengths,
-    find_lids,
     lid_heights,
     lid_margins,
     rest_lids,
@@ -24,10 +25,17 @@ def make_eyes() -> Eyes:
     )
 
 
+def lids_of(points: NDArray[np.float64], eyes: Eyes) -> Lids:
+    """A few loose points around the image's left eye, without margins."""
+    away = np.linalg.norm(points - eyes.centres[0], axis=1) / eyes.radii[0]
+    near, none = np.flatnonzero(away < 1.5), np.zeros(0, np.int64)
+    return Lids((near, none), (away[near], np.zeros(0)), ())
+
+
 def test_lids_that_clear_the_eye_stay_and_pierced_ones_are_pushed_out() -> None:
     eyes = make_eyes()
     usual = np.array([[-30.0, 8.0, -2.0], [-30.0, 9.0, -2.0], [-30.0, 60.0, 0.0]])
-    lids = find_lids(usual, eyes)
+    lids = lids_of(usual, eyes)
     pierced = usual.copy()
     pierced[0] = [-30.0, 7.0, -4.0]
     moved = clear_lids(pierced, eyes, lids)
@@ -39,7 +47,7 @@ def test_rims_that_dip_into_the_eye_keep_doing_so() -> None:
     eyes = make_eyes()
     usual = np.array([[-30.0, 0.0, -0.6]])  # 0.95 radii
     floating = np.array([[-30.0, 0.0, 2.0]])
-    moved = clear_lids(floating, eyes, find_lids(usual, eyes))
+    moved = clear_lids(floating, eyes, lids_of(usual, eyes))
     assert np.linalg.norm(moved[0] - eyes.centres[0]) == pytest.approx(0.985 * 1.06 * 12)
 
 

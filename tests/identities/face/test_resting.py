@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lrsr.identities.face.expression import Expression, find_expression
+from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.identities.face.eyes import Eyes
 from lrsr.identities.face.resting import RestingFace, act, head_frame, rest_face
 from lrsr.identities.shape.basis import load_basis
@@ -31,7 +31,7 @@ def test_a_head_frame_is_a_rotation() -> None:
 
 
 def test_a_neutral_expression_changes_nothing(face: RestingFace) -> None:
-    weights, skin = act(face, find_expression("neutral"))
+    weights, skin = act(face, NEUTRAL)
     assert weights is face.weights
     assert skin is face.skin
 

@@ -6,7 +6,6 @@ from lrsr.identities.face.expression import Expression
 from lrsr.identities.face.resting import act, rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.intersection import (
-    coarse_faces,
     count_nose_crossings,
     crossing_pairs,
     edges_cross,
@@ -18,6 +17,8 @@ from lrsr.identities.shape.basis import load_basis
 Points = NDArray[np.float64]
 
 FLAT = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]])
+APART = np.diag([0.0, 9.0, 18.0])
+"""Where centres of three triangles lie on the template: far from each other."""
 THROUGH = np.array([[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.5, 1.0, 1.0]])
 
 
@@ -58,27 +59,22 @@ def test_crossings_of_chance_triangles_are_those_of_linear_algebra() -> None:
 def test_pairs_that_cross_are_found_and_neighbours_are_none() -> None:
     vertices = np.concatenate([FLAT, THROUGH, np.add(FLAT[1:2], (0.0, 4.0, 0.5))])
     faces = np.array([[0, 1, 2], [3, 4, 5], [1, 6, 2]])
-    assert crossing_pairs(vertices, faces, reach_mm=10.0).tolist() == [[0, 1]]
+    assert crossing_pairs(vertices, faces, APART, reach_mm=10.0, apart_mm=0.0).tolist() == [[0, 1]]
 
 
 def test_pairs_out_of_reach_are_not_compared() -> None:
     vertices, faces = np.concatenate([FLAT, THROUGH]), np.array([[0, 1, 2], [3, 4, 5]])
-    assert len(crossing_pairs(vertices, faces, reach_mm=0.01)) == 0
+    assert len(crossing_pairs(vertices, faces, APART, reach_mm=0.01, apart_mm=0.0)) == 0
 
 
 def test_creases_do_not_count() -> None:
     vertices, faces = np.concatenate([FLAT, THROUGH]), np.array([[0, 1, 2], [3, 4, 5]])
     usual = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
     near, far = (
-        crossing_pairs(vertices, faces, 10.0, usual=usual, apart_mm=apart) for apart in (2.9, 3.1)
+        crossing_pairs(vertices, faces, usual, reach_mm=10.0, apart_mm=apart)
+        for apart in (2.9, 3.1)
     )
     assert (len(near), len(far)) == (1, 0)
-
-
-def test_the_coarse_head_has_a_quarter_of_the_triangles_and_is_closed_at_its_seams() -> None:
-    surface, faces = load_basis().surface, coarse_faces()
-    assert len(faces) == (surface.region == 0).sum() // 4
-    assert (surface.twin[faces] == faces).all()
 
 
 def test_the_templates_nose_does_not_cross_itself() -> None:

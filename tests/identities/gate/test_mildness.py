@@ -54,8 +54,3 @@ def test_the_first_attempts_are_single_draws_and_later_ones_ever_milder() -> Non
     assert counts == sorted(counts)
     assert counts[PATIENCE] == 2
     assert counts[-1] > 8
-
-
-def test_the_mean_of_nothing_is_refused() -> None:
-    with pytest.raises(ValueError, match="no anatomy"):
-        mean_anatomy([])

@@ -1,38 +1,37 @@
-import json
 from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.face.lids import clear_lids
 from lrsr.identities.face.template import template
+from lrsr.identities.gate.anthropometry import Sex
 from lrsr.identities.gate.plausibility import (
     LIMITS,
-    RELIEF_LEEWAY,
     Plausibility,
     Verdict,
     check_face,
     check_hair,
-    check_plausibility,
 )
-from lrsr.identities.hair.hair import build_hair, colour_parameters, style_parameters
-from lrsr.identities.head import Head
-from lrsr.identities.morphable import sample_head
-from lrsr.identities.shape.basis import load_basis
+from lrsr.identities.hair.choice import colour_parameters
+from lrsr.identities.hair.hair import build_hair
+from lrsr.identities.hair.styles import style_parameters
+from lrsr.identities.shape.anatomy import GENDERS
 
 Points = NDArray[np.float64]
 
-WOMAN: dict[str, Any] = {"sex": "female"}
+IRIS_RAD = 0.37
 COLOUR = {"eumelanin": 2.0, "pheomelanin": 0.2, "grey": 0.1}
 
 
 def skin() -> Points:
     average = template()
     return clear_lids(average.skin, average.eyes, average.lids)
+
+
+def judged(face: Points, sex: Sex = "female") -> Plausibility:
+    return check_face(face, template().eyes, sex, IRIS_RAD)
 
 
 def pushed(around: tuple[float, float, float], by: tuple[float, float, float], mm: float) -> Points:
@@ -120,59 +119,43 @@ MONSTERS: dict[str, tuple[Callable[[], Points], str]] = {
 }
 
 
-def test_the_average_adult_passes_as_woman_and_as_man_and_as_either() -> None:
-    for who in (WOMAN, {"sex": "male"}, {}):
-        assert check_face(skin(), template().eyes, who).failures == ()
+def test_the_average_adult_passes_as_woman_and_as_man() -> None:
+    for sex in GENDERS:
+        assert judged(skin(), sex).failures == ()
 
 
 @pytest.mark.parametrize("monster", MONSTERS)
 def test_a_monster_fails_for_what_is_wrong_with_it(monster: str) -> None:
     make, reason = MONSTERS[monster]
-    assert reason in check_face(make(), template().eyes, WOMAN).failures
+    assert reason in judged(make()).failures
 
 
 def test_a_slight_change_is_no_monster() -> None:
     for changed in (pushed(NOSE, (0, 0, 2), 12), pushed(CHIN, (0, -4, 0), 25)):
-        assert check_face(changed, template().eyes, WOMAN).failures == ()
+        assert judged(changed).failures == ()
 
 
 def test_the_further_the_chin_the_larger_the_excess() -> None:
-    outcomes = [
-        check_face(pushed(CHIN, (0, -far, 0), 25), template().eyes, WOMAN)
-        for far in (0.0, 40.0, 60.0)
-    ]
+    outcomes = [judged(pushed(CHIN, (0, -far, 0), 25)) for far in (0.0, 40.0, 60.0)]
     excesses = [outcome.excess for outcome in outcomes]
     assert excesses[0] == 0.0
     assert excesses == sorted(excesses)
     assert excesses[1] < excesses[2]
 
 
-def test_a_face_that_is_not_finite_is_a_fault_of_ours() -> None:
-    broken = skin()
-    broken[7, 0] = np.nan
-    with pytest.raises(NonFiniteError, match="not finite"):
-        check_face(broken, template().eyes, WOMAN)
-
-
 def test_the_norms_of_men_let_a_longer_face_pass_than_those_of_women() -> None:
     longer = skin() * (1.03, 1.15, 1.03)
     name = "proportion: face height, mm"
-    assert name in check_face(longer, template().eyes, WOMAN).failures
-    assert name not in check_face(longer, template().eyes, {"sex": "male"}).failures
-    assert name not in check_face(longer, template().eyes, {}).failures
-
-
-def test_another_mesh_is_refused() -> None:
-    with pytest.raises(InputError, match=r"got an array of shape \(7, 3\)"):
-        check_face(np.zeros((7, 3)), template().eyes, WOMAN)
+    assert name in judged(longer, "female").failures
+    assert name not in judged(longer, "male").failures
 
 
 def test_hair_that_floats_fails_and_hair_that_sits_does_not() -> None:
     head = template().skin.astype(np.float32)
     numbers = style_parameters("crop", np.random.default_rng(5)) | colour_parameters(COLOUR)
     hair, pupils = build_hair(numbers, head, seed=3).vertices, template().eyes.pupils
-    assert check_hair(hair, head, pupils, {"hair": numbers}).failures == ()
-    floating = check_hair(hair + np.float32([0, 45, 0]), head, pupils, {"hair": numbers})
+    assert check_hair(hair, head, pupils, stands=True).failures == ()
+    floating = check_hair(hair + np.float32([0, 45, 0]), head, pupils, stands=True)
     assert "hair: off the skin, mm" in floating.failures
 
 
@@ -180,43 +163,16 @@ def test_hair_over_the_face_fails() -> None:
     head, pupils = template().skin.astype(np.float32), template().eyes.pupils
     numbers = style_parameters("crop", np.random.default_rng(5)) | colour_parameters(COLOUR)
     hair = build_hair(numbers, head, seed=3).vertices + np.float32([0, -90, 30])
-    failures = check_hair(hair, head, pupils, {"hair": numbers}).failures
+    failures = check_hair(hair, head, pupils, stands=True).failures
     assert {"hair: share before the eyes", "hair: share before nose and mouth"} <= set(failures)
 
 
-@pytest.fixture(scope="module")
-def head() -> Head:
-    return sample_head(4, texture_size=128)
-
-
-def test_a_finished_head_is_judged_by_every_test_once(head: Head) -> None:
-    names = [verdict.name for verdict in check_plausibility(head).verdicts]
+def test_every_test_is_judged_once() -> None:
+    head, pupils = template().skin.astype(np.float32), template().eyes.pupils
+    hair = check_hair(head[:20000], head, pupils, stands=True)
+    names = [verdict.name for verdict in (*judged(skin()).verdicts, *hair.verdicts)]
     assert len(set(names)) == len(names)
     assert set(LIMITS) <= set(names)
-
-
-def test_a_finished_heads_eyes_are_not_pierced_by_its_wrinkles(head: Head) -> None:
-    values = {v.name: v.value for v in check_plausibility(head).verdicts}
-    assert values["eye: pierced by skin, mm"] < 0.1
-
-
-def test_black_cheeks_fail(head: Head) -> None:
-    skin_part = head.part("skin")
-    albedo = skin_part.albedo.copy()
-    uv = load_basis().surface.uv
-    cheek = np.linalg.norm(template().skin - (34.0, -30.0, 0.0), axis=1) < 14.0
-    texel = (uv[cheek] * len(albedo)).astype(int)
-    albedo[texel[:, 1], texel[:, 0]] = 0.003
-    painted = replace(skin_part, albedo=albedo)
-    failures = check_plausibility(replace(head, parts=(painted, *head.parts[1:]))).failures
-    assert "colour: dark share of the cheeks" in failures
-
-
-def test_wrinkles_have_some_leeway(head: Head) -> None:
-    low, high = LIMITS["eye: opening, mm"]
-    opening = next(v for v in check_plausibility(head).verdicts if v.name == "eye: opening, mm")
-    assert opening.low == pytest.approx(low - RELIEF_LEEWAY * (high - low))
-    assert opening.high == pytest.approx(high + RELIEF_LEEWAY * (high - low))
 
 
 @pytest.mark.parametrize(
@@ -225,14 +181,12 @@ def test_wrinkles_have_some_leeway(head: Head) -> None:
     ids=str,
 )
 def test_an_excess_is_counted_in_widths_between_the_limits(value: float, excess: float) -> None:
-    verdict = Verdict("size", value, 0.0, 10.0, 0.0 <= value <= 10.0)
+    verdict = Verdict("size", value, 0.0, 10.0)
     assert verdict.excess == excess
 
 
-def test_a_plausibility_is_plain_as_json_and_sums_up_its_verdicts() -> None:
-    outcome = Plausibility((Verdict("a", 1.0, 0.0, 2.0, True), Verdict("b", 4.0, 0.0, 2.0, False)))
-    plain = outcome.as_json()
-    assert json.loads(json.dumps(plain)) == plain
-    assert (plain["passed"], [v["name"] for v in plain["verdicts"]]) == (False, ["a", "b"])
+def test_a_plausibility_sums_up_its_verdicts() -> None:
+    outcome = Plausibility((Verdict("a", 1.0, 0.0, 2.0), Verdict("b", 4.0, 0.0, 2.0)))
+    assert not outcome.passed
     assert (outcome.failures, outcome.excess) == (("b",), 1.0)
     assert Plausibility(outcome.verdicts[:1]).passed

@@ -5,7 +5,6 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from lrsr.errors import InputError
 from lrsr.identities.hair.anchors import (
     AZIMUTHS,
     POLARS,
@@ -58,13 +57,6 @@ def test_rays_take_the_outermost_of_nested_surfaces() -> None:
     assert np.linalg.norm(anchors.template - CENTRE, axis=-1).min() > 89.0
 
 
-def test_an_open_skull_is_refused() -> None:
-    vertices, faces = make_sphere()
-    _, polar = chart_angles(vertices)
-    with pytest.raises(InputError, match="skull is open"):
-        build_anchors(vertices, faces, np.flatnonzero(polar < 60).astype(np.int32))
-
-
 def test_rows_of_the_shipped_chart_sum_to_one() -> None:
     sums = np.asarray(load_anchors().matrix.sum(axis=1)).ravel()
     np.testing.assert_allclose(sums, 1.0, atol=1e-5)
@@ -72,7 +64,7 @@ def test_rows_of_the_shipped_chart_sum_to_one() -> None:
 
 def test_shipped_chart_is_the_one_of_the_shipped_template() -> None:
     shipped, made = load_anchors(), make_anchors()
-    assert shipped.vertex_count == made.vertex_count
+    assert shipped.matrix.shape == made.matrix.shape
     np.testing.assert_array_equal(shipped.ears, made.ears)
     np.testing.assert_allclose(shipped.template, made.template, atol=1e-2)
     skin = template().skin
@@ -94,11 +86,6 @@ def test_ears_are_two_alike_and_at_the_sides() -> None:
     assert len(left) == len(right)
     assert np.abs(ears[:, 0]).min() > 50.0
     assert left[:, 1].max() - left[:, 1].min() == pytest.approx(100.0, abs=40.0)
-
-
-def test_other_topology_is_refused() -> None:
-    with pytest.raises(InputError, match=r"shape \(7, 3\)"):
-        load_anchors().locate(np.zeros((7, 3), dtype=np.float32))
 
 
 def test_angles_are_the_inverse_of_directions() -> None:

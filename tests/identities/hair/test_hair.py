@@ -4,21 +4,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.errors import InputError
 from lrsr.identities.hair.anchors import chart_angles, load_anchors
 from lrsr.identities.hair.chart import sample_chart
-from lrsr.identities.hair.hair import (
-    STYLES,
-    TEXTURE_SHAPE,
-    build_hair,
-    colour_parameters,
-    hair_faces,
-    hair_uv,
-    style_parameters,
-)
+from lrsr.identities.hair.choice import colour_parameters
+from lrsr.identities.hair.hair import build_hair, hair_faces, hair_uv
 from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import ROWS
 from lrsr.identities.hair.strands import RIBBONS
+from lrsr.identities.hair.styles import STYLES, style_parameters
+from lrsr.identities.hair.texture import TEXTURE_SHAPE
 from lrsr.identities.head import Part
 from lrsr.identities.morphable import template
 
@@ -79,14 +73,14 @@ def test_same_seed_grows_the_same_hair() -> None:
 
 
 def test_shaved_head_keeps_its_hair_below_the_skin() -> None:
-    part = build_hair(make_hair("shaved"), skin())
+    part = build_hair(make_hair("shaved"), skin(), 0)
     assert shell_heights(part).max() < -5.0
 
 
 @pytest.mark.parametrize("style", SHORT[1:])
 def test_short_hair_is_as_thick_as_asked(style: str) -> None:
     hair = make_hair(style)
-    height = shell_heights(build_hair(hair, skin()))
+    height = shell_heights(build_hair(hair, skin(), 0))
     most = hair["top_mm"] + hair["front_lift_mm"] + 4.0 * hair["clump_mm"] + hair["side_mm"]
     most += hair["bun_mm"]
     assert height.max() < most + 3.0
@@ -94,7 +88,7 @@ def test_short_hair_is_as_thick_as_asked(style: str) -> None:
 
 
 def test_clipped_hair_is_stubble_without_a_shell() -> None:
-    part = build_hair(make_hair("buzz", stubble_mm=3.0), skin())
+    part = build_hair(make_hair("buzz", stubble_mm=3.0), skin(), 0)
     assert shell_heights(part).max() < -1.0
     tips = Part(**(vars(part) | {"vertices": part.vertices[SHELL:]}))
     height = shell_heights(tips)
@@ -103,7 +97,7 @@ def test_clipped_hair_is_stubble_without_a_shell() -> None:
 
 @pytest.mark.parametrize("style", SHORT)
 def test_short_hair_ends_in_the_skin(style: str) -> None:
-    shell = build_hair(make_hair(style, fringe_mm=0.0, fringe_tilt_mm=0.0), skin())
+    shell = build_hair(make_hair(style, fringe_mm=0.0, fringe_tilt_mm=0.0), skin(), 0)
     edge = shell_heights(shell).reshape(COLUMNS, ROWS)[:, -1]
     assert np.percentile(edge, 90) < 0.0
 
@@ -118,7 +112,7 @@ def test_no_hair_before_the_eyes(style: str) -> None:
 
 @pytest.mark.parametrize("style", HANGING)
 def test_hanging_hair_covers_the_ears(style: str) -> None:
-    part = build_hair(make_hair(style), skin())
+    part = build_hair(make_hair(style), skin(), 0)
     ears = skin()[load_anchors().ears]
     shell = part.vertices[:SHELL]
     for side in (-1.0, 1.0):
@@ -128,7 +122,9 @@ def test_hanging_hair_covers_the_ears(style: str) -> None:
 
 
 def test_bob_ends_where_asked() -> None:
-    part = build_hair(make_hair("bob", lower_mm=[-80.0] * 6, layer_mm=0.0, ragged_mm=0.0), skin())
+    part = build_hair(
+        make_hair("bob", lower_mm=[-80.0] * 6, layer_mm=0.0, ragged_mm=0.0), skin(), 0
+    )
     tips = part.vertices[:SHELL].reshape(COLUMNS, ROWS, 3)[:, -1, 1]
     np.testing.assert_allclose(tips, -76.0, atol=1.0)
     ends = part.vertices[SHELL:].reshape(RIBBONS, -1, 3)[:, -1, 1]
@@ -137,7 +133,9 @@ def test_bob_ends_where_asked() -> None:
 
 def test_bigger_head_has_bigger_hair() -> None:
     hair = make_hair("buzz")
-    small, large = (build_hair(hair, (scale * skin()).astype(np.float32)) for scale in (1.0, 1.2))
+    small, large = (
+        build_hair(hair, (scale * skin()).astype(np.float32), 0) for scale in (1.0, 1.2)
+    )
     width = [np.ptp(part.vertices[:SHELL, 0]) for part in (small, large)]
     assert width[1] / width[0] == pytest.approx(1.2, abs=0.02)
 
@@ -145,12 +143,12 @@ def test_bigger_head_has_bigger_hair() -> None:
 def test_hair_goes_with_the_head() -> None:
     hair = make_hair("long_wavy")
     move = np.array([4.0, 0.0, -6.0], dtype=np.float32)
-    here, there = build_hair(hair, skin()), build_hair(hair, skin() + move)
+    here, there = build_hair(hair, skin(), 0), build_hair(hair, skin() + move, 0)
     np.testing.assert_allclose(there.vertices, here.vertices + move, atol=0.05)
 
 
 def test_shell_faces_look_outwards() -> None:
-    part = build_hair(make_hair("buzz", clump_mm=0.0, ragged_mm=0.0), skin())
+    part = build_hair(make_hair("buzz", clump_mm=0.0, ragged_mm=0.0), skin(), 0)
     shell = part.faces[(part.faces < SHELL).all(axis=1)]
     a, b, c = (part.vertices[shell[:, k]].astype(np.float64) for k in range(3))
     normal = np.cross(b - a, c - a)
@@ -160,18 +158,13 @@ def test_shell_faces_look_outwards() -> None:
 
 
 def test_strands_are_thin() -> None:
-    part = build_hair(make_hair("long_straight"), skin())
+    part = build_hair(make_hair("long_straight"), skin(), 0)
     strands = part.vertices[SHELL:].reshape(-1, 2, 3)
     assert np.linalg.norm(strands[:, 1] - strands[:, 0], axis=1).max() < 3.1
 
 
 def test_styles_differ_in_outline() -> None:
-    shapes = [build_hair(make_hair(style), skin()).vertices[:SHELL] for style in STYLES]
+    shapes = [build_hair(make_hair(style), skin(), 0).vertices[:SHELL] for style in STYLES]
     for i, one in enumerate(shapes):
         for other in shapes[:i]:
             assert np.linalg.norm(one - other, axis=1).mean() > 2.0
-
-
-def test_skin_of_another_topology_is_refused() -> None:
-    with pytest.raises(InputError, match="subdivided skin"):
-        build_hair(make_hair("crop"), np.zeros((10, 3), dtype=np.float32))

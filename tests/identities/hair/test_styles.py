@@ -3,7 +3,6 @@ import json
 import numpy as np
 import pytest
 
-from lrsr.errors import InputError
 from lrsr.identities.hair.styles import (
     AT_HAIRLINE_MM,
     LOWER_AZIMUTHS_DEG,
@@ -49,8 +48,3 @@ def test_hair_behind_the_ears_leaves_the_ears_free() -> None:
     low = style_parameters("tucked", np.random.default_rng(0))["lower_mm"]
     assert low[:4] == [AT_HAIRLINE_MM] * 4
     assert max(low[4:]) < -80.0
-
-
-def test_unknown_style_names_the_known_ones() -> None:
-    with pytest.raises(InputError, match=r"'mullet'.*buzz"):
-        style_parameters("mullet", np.random.default_rng(0))

@@ -9,9 +9,9 @@ from lrsr.identities.face.lids import lid_heights, lid_margins
 from lrsr.identities.face.resting import RestingFace
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.anthropometry import Sex, measure_lengths, proportions, z_scores
+from lrsr.identities.population import ANCESTRIES
 from lrsr.identities.shape.anatomy import (
     GENDERS,
-    RACES,
     REGION_WIDTH,
     SHAPE_GAIN,
     Anatomy,
@@ -21,7 +21,7 @@ from lrsr.identities.shape.anatomy import (
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.proportions import MEASURES, load_gauge
 
-EQUAL = dict.fromkeys(RACES, 1 / 3)
+EQUAL = dict.fromkeys(ANCESTRIES, 1 / 3)
 PLAIN: Anatomy = {
     "muscle": 0.5,
     "weight": 0.5,
@@ -51,7 +51,7 @@ def test_weights_of_sex_age_build_and_ancestry_each_sum_to_one(kind: str, seed: 
     basis = load_basis()
     plain = PLAIN.copy()
     plain["muscle"], plain["weight"] = rng.random(2).tolist()
-    shares = dict(zip(RACES, rng.dirichlet([0.45] * 3).tolist(), strict=True))
+    shares = dict(zip(ANCESTRIES, rng.dirichlet([0.45] * 3).tolist(), strict=True))
     sex, age = rng.random(2).tolist()
     weights = coefficients(basis.names, plain, masculinity=sex, age=age, ancestry=shares)
     chosen = [name.startswith(f"{kind}/") for name in basis.names]

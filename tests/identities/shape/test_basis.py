@@ -50,11 +50,6 @@ def test_the_neutral_head_is_that_of_an_adult(basis: Basis) -> None:
     assert 210 < np.ptp(head.skin[basis.quads[basis.region == 0]][..., 1]) < 260
 
 
-def test_the_wrong_number_of_coefficients_is_refused(basis: Basis) -> None:
-    with pytest.raises(ValueError, match="coefficients"):
-        basis.shape([1.0, 2.0])
-
-
 def test_the_head_is_closed_but_for_its_bottom_and_the_bottoms_of_the_sockets(
     basis: Basis,
 ) -> None:

@@ -75,8 +75,3 @@ def test_the_input_is_left_alone() -> None:
     drawn = np.array([1.0])
     restrain(gauge_of([[-4.0, 4.0]], [1.0]), drawn, np.array([[0, 1]]), np.array([0.5]))
     assert drawn.tolist() == [1.0]
-
-
-def test_lengths_that_disagree_are_refused() -> None:
-    with pytest.raises(ValueError, match="do not agree"):
-        restrain(gauge_of([[0.0, 0.0]], [1.0]), np.zeros(2), np.array([[0, 1]]), np.ones(1))

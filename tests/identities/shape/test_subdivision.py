@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lrsr.identities.shape.subdivision import split_linearly, split_smoothly, subdivide, triangulate
+from lrsr.identities.shape.subdivision import split_smoothly, subdivide, triangulate
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 CUBE_QUADS = np.array(
@@ -97,25 +97,3 @@ def test_a_vertex_without_a_quad_stays() -> None:
 def test_where_more_than_two_borders_meet_the_vertex_stays() -> None:
     bow_tie = np.array([[0, 1, 2, 3], [2, 4, 5, 6]])
     assert split_smoothly(bow_tie, 7).matrix[2].toarray()[0].tolist() == [0, 0, 1, 0, 0, 0, 0]
-
-
-@pytest.mark.parametrize("split", [split_smoothly, split_linearly])
-def test_triangles_are_refused(split: object) -> None:
-    with pytest.raises(ValueError, match=r"\(F, 4\)"):
-        split(np.array([[0, 1, 2]]), 3)  # type: ignore[operator]
-
-
-@pytest.mark.parametrize("split", [split_smoothly, split_linearly])
-def test_a_quad_that_names_a_missing_vertex_is_refused(split: object) -> None:
-    with pytest.raises(ValueError, match="vertex 3 of 3"):
-        split(ONE_QUAD, 3)  # type: ignore[operator]
-
-
-def test_a_negative_number_of_rounds_is_refused() -> None:
-    with pytest.raises(ValueError, match="rounds"):
-        subdivide(ONE_QUAD, 4, -1, smooth=True)
-
-
-def test_subdivide_refuses_what_its_rounds_refuse() -> None:
-    with pytest.raises(ValueError, match="vertex 3 of 2"):
-        subdivide(ONE_QUAD, 2, 0, smooth=False)

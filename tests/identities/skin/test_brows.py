@@ -11,7 +11,8 @@ from lrsr.identities.skin.brows import (
     brow_line,
     brow_strands,
     brow_thickness,
-    draw_brows,
+    cover_brows,
+    lay_brows,
 )
 
 PLAIN = {
@@ -33,7 +34,7 @@ PLAIN = {
 
 
 def _coverage(brows: dict[str, float], seed: int = 0) -> NDArray[np.float64]:
-    return draw_brows(brows, np.random.default_rng(seed)).astype(float)
+    return cover_brows(lay_brows(brows, np.random.default_rng(seed))).astype(float)
 
 
 def test_a_plain_brow_has_420_strands() -> None:

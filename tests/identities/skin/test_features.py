@@ -36,8 +36,7 @@ PLACES = {
 
 @lru_cache
 def _painter() -> FeaturePainter:
-    layout = Layout(*position_map(SIZE))
-    return FeaturePainter(layout.position, template().skin, layout.texel_mm)
+    return FeaturePainter(Layout(position_map(SIZE)), template().skin.astype(np.float32))
 
 
 def _skin(tone: float = 0.35) -> FloatMap:
@@ -212,8 +211,7 @@ def test_nothing_reaches_the_back_of_the_head() -> None:
 
 
 def test_without_vertices_nothing_is_displaced() -> None:
-    layout = Layout(*position_map(64))
-    painter = FeaturePainter(layout.position, np.zeros((0, 3)), layout.texel_mm)
+    painter = FeaturePainter(Layout(position_map(64)), np.zeros((0, 3), np.float32))
     beard = sample_beard(np.random.default_rng(0), masculinity=0.9, asian=0.0, grey=0.0)
     for kind in ("none", "full"):
         worn: Beard = beard | {"kind": kind}  # type: ignore[assignment]  # one of the kinds

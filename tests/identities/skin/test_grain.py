@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from lrsr.identities.morphable import position_map
+from lrsr.identities.shape.position_map import PositionMap
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.grain import (
     FULL_TEXTURE,
@@ -37,7 +38,7 @@ AMOUNTS = ("pore_depth_mm", "crease_mm", "bump_mm", "lip_furrow_mm")
 
 @lru_cache
 def _layout() -> Layout:
-    return Layout(*position_map(SIZE))
+    return Layout(position_map(SIZE))
 
 
 @lru_cache
@@ -192,7 +193,7 @@ def test_everyone_lies_elsewhere_on_the_tiles() -> None:
 
 @pytest.mark.parametrize("size", [64, 128])
 def test_a_small_texture_has_its_grain_too(size: int) -> None:
-    maps = GrainPainter(Layout(*position_map(size))).paint(_sample())
+    maps = GrainPainter(Layout(position_map(size))).paint(_sample())
     assert maps.height.shape == (size, size)
     assert maps.height.any()
 
@@ -200,7 +201,7 @@ def test_a_small_texture_has_its_grain_too(size: int) -> None:
 def test_a_layout_without_lips_has_no_furrows() -> None:
     points, mask = position_map(64)
     above: FloatMap = np.asarray(cv2.add(points, (0.0, 300.0, 0.0, 0.0)))
-    layout = Layout(above, mask)
+    layout = Layout(PositionMap(above, mask))
     assert not layout.lips.any()
     painted = GrainPainter(layout).paint(NONE | {"lip_furrow_mm": 0.2})  # type: ignore[typeddict-item]
     assert not painted.height.any()

@@ -25,7 +25,7 @@ NOSE, SIDE, LIP = (0.0, -40.0), (60.0, -60.0), (0.0, -80.0)
 
 @lru_cache
 def _layout() -> Layout:
-    return Layout(*position_map(SIZE))
+    return Layout(position_map(SIZE))
 
 
 @lru_cache

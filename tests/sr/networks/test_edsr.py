@@ -5,7 +5,7 @@ from scipy.signal import correlate
 
 from lrsr.errors import InputError
 from lrsr.images import resize_bicubic
-from lrsr.sr.networks.edsr import EDSR, MEAN_SRGB
+from lrsr.sr.networks.edsr import EDSR
 
 
 def convolved(channels: np.ndarray, weights: dict[str, np.ndarray], name: str) -> np.ndarray:
@@ -32,7 +32,7 @@ def independent_edsr(
     srgb: np.ndarray, weights: dict[str, np.ndarray], blocks: int, steps: int
 ) -> np.ndarray:
     """The paper's figure 3, by NumPy."""
-    mean = np.array(MEAN_SRGB)[:, None, None]
+    mean = np.array([0.4488, 0.4371, 0.4040])[:, None, None]  # the authors' DIV2K
     head = convolved(srgb - mean, weights, "head")
     features = head
     for block in range(blocks):

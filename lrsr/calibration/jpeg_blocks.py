@@ -1,0 +1,143 @@
+"""How hard was a picture squeezed, and where did its blocks fall? From the pixels.
+
+In a decoded JPEG the DCT coefficients of luminance, taken on the grid of its blocks, lie near
+multiples of the steps of its quantisation table; on any other grid they lie anywhere (Z. Fan,
+R. de Queiroz, IEEE Trans. Image Processing 12(2), 2003, doi:10.1109/TIP.2002.807361, sec. III).
+Every grid and every table of the Independent JPEG Group's scale is tried, and the likeliest taken.
+Told apart are: the grid modulo 8 (of a 4:2:0 file's 16 pixels the colours alone know the rest) and
+the last compression of several. Not told: chroma sub-sampling, and qualities from about 96 on,
+whose steps drown in the rounding of the decoded levels. H.264 leaves no such table.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from lrsr.camera.checks import check_light
+from lrsr.camera.jpeg_tables import BLOCK_PX, luminance_table
+from lrsr.camera.processing import luminance
+from lrsr.camera.soft_jpeg import cosine_transform
+from lrsr.errors import ImageContractError
+
+ROUNDING = 0.4
+"""Standard deviation of a coefficient after decoding: luminance and three colours are rounded."""
+LEAST = 1.5
+"""Smaller coefficients may be rounded zeros, which say nothing about the step."""
+OUTLIERS = 0.02
+"""Share of coefficients that clipping has moved away from any multiple."""
+EVIDENCE = 0.05
+"""Mean log-likelihood ratio a coefficient, against no table at all, that a table has to reach."""
+ENOUGH = 50
+"""Coefficients at least; fewer prove nothing."""
+GRIDS = tuple((x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX))
+"""Places of the first pixel within its block."""
+SAMPLE = 64
+"""Coefficients of each frequency that a grid is chosen by; the quality is found with all."""
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JpegEstimate:
+    """What was found.
+
+    Attributes:
+        quality: Of the Independent JPEG Group's scale, 1-100.
+        origin_px: ``(x, y)`` of the first pixel within its block, 0..7 each.
+        evidence: Mean log-likelihood ratio a coefficient, nats, against pictures without blocks.
+    """
+
+    quality: int
+    origin_px: tuple[int, int]
+    evidence: float
+
+
+def estimate_jpeg(
+    srgb: torch.Tensor, *, grids: Sequence[tuple[int, int]] = GRIDS
+) -> JpegEstimate | None:
+    """Find quality and grid of pictures that went through the same JPEG.
+
+    Args:
+        srgb: ``(B, 3, H, W)``, [0, 1], multiples of 1/255, H and W >= 16; 20 pictures are plenty.
+        grids: Which ``(x, y)`` are tried.
+
+    Returns:
+        The likeliest; None if the pictures show no blocks.
+
+    Raises:
+        ImageContractError: The images break the contract or are smaller than 16 × 16.
+    """
+    check_light(srgb, name="srgb")
+    if min(srgb.shape[-2:]) < 2 * BLOCK_PX:
+        raise ImageContractError(f"srgb: got {tuple(srgb.shape)}, wanted H and W >= 16")
+    clipped = ((srgb <= 0) | (srgb >= 1)).any(1).numpy()
+    levels = luminance(srgb)[:, 0].double().mul(255).numpy() - 128
+    chances = [_likeliest(_coefficients(levels, clipped, grid), SAMPLE)[1] for grid in grids]
+    grid = grids[int(np.argmax(chances))]
+    quality, evidence = _likeliest(_coefficients(levels, clipped, grid))
+    return JpegEstimate(quality, grid, evidence) if evidence > EVIDENCE else None
+
+
+def _coefficients(levels: Floats, clipped: NDArray[np.bool_], grid: tuple[int, int]) -> Floats:
+    """Return the DCT ``(n, 8, 8)`` of every whole block without clipping, which moves them all."""
+    blocks, spoilt = _blocks(levels, *grid), _blocks(clipped, *grid)
+    return np.asarray(_DCT @ blocks[~spoilt.any((1, 2))] @ _DCT.T)
+
+
+def _blocks(planes: NDArray[Any], x: int, y: int) -> NDArray[Any]:
+    """Cut ``(B, H, W)`` into the whole blocks of a grid that begins ``(x, y)`` before it."""
+    cut = planes[:, -y % BLOCK_PX :, -x % BLOCK_PX :]
+    rows, columns = (side // BLOCK_PX for side in cut.shape[1:])
+    cut = cut[:, : rows * BLOCK_PX, : columns * BLOCK_PX]
+    blocks = cut.reshape(len(cut), rows, BLOCK_PX, columns, BLOCK_PX).transpose(0, 1, 3, 2, 4)
+    return np.asarray(blocks.reshape(-1, BLOCK_PX, BLOCK_PX))
+
+
+def _likeliest(coefficients: Floats, most: int | None = None) -> tuple[int, float]:
+    """Return the best quality for coefficients ``(n, 8, 8)`` and its mean log-likelihood ratio.
+
+    ``most``: of each frequency, that many at most are looked at.
+    """
+    total, count = np.zeros(101), 0
+    for row in range(BLOCK_PX):
+        for column in range(BLOCK_PX):
+            if row == column == 0:
+                continue  # sums of clipped pixels, and no zeros to compare with
+            seen = np.abs(coefficients[:, row, column])
+            seen = seen[seen > LEAST][:most]
+            count += len(seen)
+            steps, of_quality = _DISTINCT[row][column]
+            total[1:] += _log_ratios(seen, steps)[of_quality]
+    if count < ENOUGH:
+        return 100, 0.0
+    best = 1 + int(np.argmax(total[1:]))
+    return best, float(total[best]) / count
+
+
+def _log_ratios(seen: Floats, steps: Floats) -> Floats:
+    """Return for every step how much likelier it makes these than a smooth density does.
+
+    A coefficient that is not zero lies at a multiple of the step, the first or a later one, blurred
+    by rounding; the smooth density, spread over a step, cancels.
+    """
+    largest = float(seen.max(initial=0.0))
+    considered = steps[:, None] <= 2 * largest + 8  # a larger step explains none of them
+    multiple = np.maximum(np.rint(seen / steps[:, None]), 1)
+    miss = (seen - multiple * steps[:, None]) / ROUNDING
+    likely = steps[:, None] * np.exp(-0.5 * miss**2) / (ROUNDING * math.sqrt(2 * math.pi))
+    ratios = np.log((1 - OUTLIERS) * np.where(considered, likely, 0.0) + OUTLIERS)
+    return np.asarray(ratios.sum(axis=1))
+
+
+_DCT: Floats = cosine_transform().numpy()
+_STEPS = np.stack([luminance_table(quality) for quality in range(1, 101)])
+# Of each frequency, the steps that occur (fewer than there are qualities) and each quality's.
+_DISTINCT = [
+    [np.unique(_STEPS[:, row, column], return_inverse=True) for column in range(BLOCK_PX)]
+    for row in range(BLOCK_PX)
+]

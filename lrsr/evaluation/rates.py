@@ -1,0 +1,363 @@
+"""How often does recognition err at a stated threshold, and how often is the right person first?
+
+Terms of ISO/IEC 19795-1. A comparison matches when its score is at or above the threshold. Of each
+measure there is a part that takes all scores at once and one that is fed tile after tile.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lrsr.errors import ScoreError
+from lrsr.evaluation.arrays import Array, check_finite, check_scores, to_common
+from lrsr.evaluation.placements import Ints
+from lrsr.evaluation.roc import RocCurve, wilson_interval
+from lrsr.evaluation.scores import ScoreSource, Tile
+
+FEW_FALSE_MATCHES = 10
+"""Below so many expected false matches an FMR is too uncertain to set a threshold by."""
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """FNMR at the largest FMR not above a target; every field goes to JSON.
+
+    Attributes:
+        target_fmr: The FMR asked for.
+        fmr: The FMR reached: the largest attainable that is not above the target.
+        fnmr: False-non-match rate there, the least at this FMR.
+        fnmr_low: Lower end of Wilson's interval of the FNMR; the threshold is taken as given and
+            the genuine pairs as independent.
+        fnmr_high: Upper end of the same.
+        threshold: Accept score >= threshold; None: accept all.
+        false_matches: Impostor scores accepted.
+        n_genuine: Genuine scores.
+        n_impostor: Impostor scores.
+        few_false_matches: Fewer than ten false matches are expected at the target: read with care.
+    """
+
+    target_fmr: float
+    fmr: float
+    fnmr: float
+    fnmr_low: float
+    fnmr_high: float
+    threshold: float | None
+    false_matches: int
+    n_genuine: int
+    n_impostor: int
+    few_false_matches: bool
+
+
+@dataclass(frozen=True, eq=False)
+class CmcCurve:
+    """Closed-set identification.
+
+    Attributes:
+        hit_rate: ``(max_rank,)`` share of probes whose person is among the first 1, 2, ...
+        n_probes: Probes with a mate in the gallery; failures to acquire are among them, as misses.
+        n_without_mate: Probes left out, because nobody in the gallery is their mate.
+    """
+
+    hit_rate: NDArray[np.float64]
+    n_probes: int
+    n_without_mate: int
+
+    @property
+    def rank_1(self) -> float:
+        """Share of probes whose person comes first."""
+        return float(self.hit_rate[0])
+
+
+def fnmr_at_fmr(
+    genuine: ArrayLike, impostor: ArrayLike, target_fmr: float, level: float = 0.95
+) -> OperatingPoint:
+    """Measure FNMR at the largest FMR that some threshold reaches without passing the target.
+
+    Where ties let the FMR jump across the target, the value below it counts: it is never
+    interpolated, and never the nearest one.
+
+    Args:
+        genuine: ``(m,)`` scores of mated pairs, higher = more alike, m >= 1.
+        impostor: ``(n,)`` scores of non-mated pairs, n >= 1.
+        target_fmr: [0, 1], taken as the decimal fraction it is written as.
+        level: Confidence level of the interval.
+
+    Raises:
+        ScoreError: The target lies outside [0, 1], the level outside (0, 1), a side is empty, a
+            score is not finite, or a dtype is not real.
+
+    Example:
+        >>> point = fnmr_at_fmr([0.2, 0.6, 0.7, 0.9], [0.1, 0.2, 0.3, 0.8, 0.8], 0.3)
+        >>> point.fmr, point.fnmr, point.few_false_matches
+        (0.0, 0.75, True)
+    """
+    genuine, impostor = check_scores(genuine, "genuine"), check_scores(impostor, "impostor")
+    check_finite(genuine, "genuine")
+    check_finite(impostor, "impostor")
+    return operating_point(genuine, impostor, impostor.size, target_fmr, level)
+
+
+def allowed_false_matches(target_fmr: float, n_impostor: int) -> int:
+    """Return how many false matches a target lets pass: its share, rounded down, exactly.
+
+    Args:
+        target_fmr: [0, 1], taken as the decimal fraction it is written as.
+        n_impostor: Impostor scores.
+
+    Raises:
+        ScoreError: The target lies outside [0, 1].
+
+    Example:
+        >>> allowed_false_matches(0.3, 10)
+        3
+    """
+    if not 0 <= target_fmr <= 1:
+        raise ScoreError(f"target FMR {target_fmr}: wanted a number from 0 to 1")
+    return math.floor(Fraction(str(float(target_fmr))) * n_impostor)
+
+
+def operating_point(
+    genuine: Array, highest: Array, n_impostor: int, target_fmr: float, level: float = 0.95
+) -> OperatingPoint:
+    """Measure as :func:`fnmr_at_fmr`, knowing only the highest impostor scores.
+
+    Args:
+        genuine: ``(m,)`` finite genuine scores.
+        highest: ``(h,)`` the highest impostor scores in any order, more than the target lets pass,
+            or all of them.
+        n_impostor: How many impostor scores there are altogether.
+        target_fmr: [0, 1].
+        level: Confidence level of the interval.
+
+    Raises:
+        ScoreError: The target lies outside [0, 1], or the level outside (0, 1).
+    """
+    genuine, highest = to_common(genuine, highest)
+    allowed = allowed_false_matches(target_fmr, n_impostor)
+    threshold, false_matches, missed = None, n_impostor, 0
+    if allowed < n_impostor:
+        # The highest impostor score that may not be accepted; with its ties it stays outside.
+        place = highest.size - 1 - allowed
+        refused = np.partition(highest, place)[place]
+        # The next number of the scores' own dtype, so that comparing with it rounds nothing.
+        kind = refused.dtype.type if refused.dtype.kind == "f" else np.float64
+        threshold = float(np.nextafter(kind(refused), kind(np.inf)))
+        false_matches = int(np.count_nonzero(highest > refused))
+        missed = int(np.count_nonzero(genuine <= refused))
+    low, high = wilson_interval(missed, genuine.size, level)
+    return OperatingPoint(
+        target_fmr=float(target_fmr),
+        fmr=false_matches / n_impostor,
+        fnmr=missed / genuine.size,
+        fnmr_low=float(low),
+        fnmr_high=float(high),
+        threshold=threshold,
+        false_matches=false_matches,
+        n_genuine=genuine.size,
+        n_impostor=n_impostor,
+        few_false_matches=Fraction(str(float(target_fmr))) * n_impostor < FEW_FALSE_MATCHES,
+    )
+
+
+class Highest:
+    """Keeps the highest of many scores that come in parts; memory for a quarter more than those.
+
+    Args:
+        count: How many are kept, >= 1.
+        dtype: Of the scores.
+
+    Example:
+        >>> highest = Highest(2, np.dtype(int))
+        >>> highest.add(np.array([4, 1, 3]))
+        >>> highest.add(np.array([2, 5]))
+        >>> sorted(highest.scores().tolist())[-2:]
+        [4, 5]
+    """
+
+    def __init__(self, count: int, dtype: np.dtype[Any]) -> None:
+        self._kept = np.empty(count + count // 8 + 1, dtype)
+        self._count, self._start = count, self._kept.size  # filled from the end downwards
+        self._least: Array | None = None
+
+    def add(self, scores: Array) -> None:
+        """Take more scores, ``(n,)``."""
+        if self._least is not None:
+            scores = scores[scores > self._least]
+        while scores.size:
+            part, scores = scores[: self._start], scores[self._start :]
+            self._kept[self._start - part.size : self._start] = part
+            self._start -= part.size
+            if self._start == 0:
+                self._start = self._kept.size - self._count
+                self._kept.partition(self._start)
+                self._least = self._kept[self._start]
+
+    def scores(self) -> Array:
+        """Return at least the highest ``count`` scores so far, or all of them, in any order."""
+        return self._kept[self._start :]
+
+
+def equal_error_rate(curve: RocCurve) -> float:
+    """Read off a curve the rate at which FMR and FNMR are equal, [0, 1].
+
+    It is where the two step functions of the threshold cross. If both jump there (genuine and
+    impostor scores tie), the rule of FVC2000 (Maio et al., IEEE TPAMI 24, 2002) is taken: of the
+    two thresholds on either side, the mean of FMR and FNMR at the one where their sum is less.
+
+    Args:
+        curve: Of :func:`lrsr.evaluation.roc.trace_roc`.
+
+    Example:
+        >>> from lrsr.evaluation.roc import trace_roc
+        >>> equal_error_rate(trace_roc([1, 2, 3, 4], [0, 0, 0, 2.5]))
+        0.25
+    """
+    after = int(np.argmax(curve.fmr >= curve.fnmr))
+    (x0, y0), (x1, y1) = ((float(curve.fmr[k]), float(curve.fnmr[k])) for k in (after - 1, after))
+    if x1 == y1 or y0 == y1:
+        return y1
+    return x0 if x0 == x1 else min(x0 + y0, x1 + y1) / 2
+
+
+@dataclass
+class Moments:
+    """Number, mean and squared deviations of scores that come in parts (Chan et al., 1979).
+
+    Attributes:
+        n: How many scores.
+        mean: Their mean.
+        squares: Sum of the squared deviations from it.
+    """
+
+    n: int = 0
+    mean: float = 0.0
+    squares: float = 0.0
+
+    def add(self, scores: Array) -> None:
+        """Take more scores, any shape."""
+        if scores.size == 0:
+            return
+        mean = float(scores.mean(dtype=np.float64))
+        apart = np.subtract(scores, mean, dtype=np.float64).reshape(-1)
+        n, shift = self.n + scores.size, mean - self.mean
+        self.squares += float(np.dot(apart, apart)) + shift**2 * self.n * scores.size / n
+        self.mean += shift * scores.size / n
+        self.n = n
+
+    @property
+    def variance(self) -> float:
+        """Sample variance; wants two scores."""
+        return self.squares / (self.n - 1)
+
+
+def d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:
+    """Measure the separation of the two score distributions in units of their mean spread.
+
+    d' = (mean genuine - mean impostor) / sqrt((var genuine + var impostor) / 2), with sample
+    variances. Unlike the AUC it changes under a rising map of the scores.
+
+    Args:
+        genuine: ``(m,)``, m >= 2.
+        impostor: ``(n,)``, n >= 2.
+
+    Raises:
+        ScoreError: Fewer than two scores of a kind, both without any spread, a score that is not
+            finite, or a dtype that is not real.
+
+    Example:
+        >>> round(d_prime([2, 4], [0, 2]), 4)
+        1.4142
+    """
+    moments = []
+    for scores, name in ((genuine, "genuine"), (impostor, "impostor")):
+        checked = check_scores(scores, name, at_least=2)
+        check_finite(checked, name)
+        moments.append(Moments())
+        moments[-1].add(checked)
+    return d_prime_of_moments(*moments)
+
+
+def d_prime_of_moments(genuine: Moments, impostor: Moments) -> float:
+    """Measure as :func:`d_prime`, knowing number, mean and variance of each kind, >= 2 scores.
+
+    Raises:
+        ScoreError: Both kinds are without any spread.
+    """
+    spread = (genuine.variance + impostor.variance) / 2
+    if spread == 0:
+        raise ScoreError("all scores of each kind are alike: d' has no unit")
+    return (genuine.mean - impostor.mean) / math.sqrt(spread)
+
+
+class Ranker:
+    """Ranks each probe's person among the persons of the gallery, tile by tile.
+
+    Persons are ordered by their best score. Ties count against the probe, so a constant score ranks
+    last, not first. A gallery image without a score cannot outrank anyone.
+
+    Args:
+        source: Who is on the probes and in the gallery.
+
+    Attributes:
+        n_people: Persons in the gallery.
+    """
+
+    def __init__(self, source: ScoreSource) -> None:
+        self._probes, gallery, _ = source.codes
+        self._people, counts = np.unique(gallery, return_counts=True)
+        self._order = np.argsort(gallery, kind="stable")
+        self._starts = np.cumsum(counts) - counts
+        self.n_people = self._people.size
+
+    def rank(self, tile: Tile) -> Ints:
+        """Return the rank of the person on each of the tile's probes.
+
+        Returns:
+            ``(r,)`` 1 = first; 0 where the probe or its mate was not acquired, -1 where the gallery
+            holds no mate.
+        """
+        scores = np.where(np.isnan(tile.scores), -np.inf, tile.scores)
+        best = np.maximum.reduceat(scores[:, self._order], self._starts, axis=1)
+        probes = self._probes[tile.rows]
+        column = np.minimum(np.searchsorted(self._people, probes), self._people.size - 1)
+        own = best[np.arange(probes.size), column]
+        ranks = np.count_nonzero(best >= own[:, None], axis=1)
+        ranks[own == -np.inf] = 0
+        ranks[self._people[column] != probes] = -1
+        return np.asarray(ranks, dtype=np.int64)
+
+
+def cmc(source: ScoreSource, max_rank: int | None = None) -> CmcCurve:
+    """Measure how often a probe's person is among the first ranks of a closed gallery.
+
+    Args:
+        source: P probes × G gallery images.
+        max_rank: Length of the curve; the number of persons in the gallery if None.
+
+    Raises:
+        ScoreError: No probe has a mate in the gallery, or ``max_rank`` is less than 1.
+    """
+    ranker = Ranker(source)
+    ranks = np.concatenate([ranker.rank(tile) for tile in source.tiles()])
+    return cmc_of_ranks(ranks, ranker.n_people if max_rank is None else max_rank)
+
+
+def cmc_of_ranks(ranks: Ints, max_rank: int) -> CmcCurve:
+    """Measure as :func:`cmc`, knowing the rank of each probe; see :meth:`Ranker.rank`.
+
+    Raises:
+        ScoreError: No probe has a mate in the gallery, or ``max_rank`` is less than 1.
+    """
+    mated = ranks[ranks >= 0]
+    if mated.size == 0:
+        raise ScoreError("no probe has a mate in the gallery: identification needs one")
+    if max_rank < 1:
+        raise ScoreError(f"max_rank {max_rank}: wanted at least 1")
+    hits = np.bincount(np.minimum(mated, max_rank + 1), minlength=max_rank + 2)[1:-1]
+    return CmcCurve(np.cumsum(hits) / mated.size, mated.size, int(ranks.size - mated.size))

@@ -1,0 +1,81 @@
+"""What are the pages of every report made of? Templates, figures and faces, in one HTML file."""
+
+import base64
+import io
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.image import imsave
+from numpy.typing import ArrayLike
+
+from lrsr.errors import ImageContractError
+
+FILE = "report.html"
+DPI = 200
+COLOURS = ("#000000", "#56B4E9", "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC79A7", "#999999")
+"""Okabe and Ito's palette, told apart with any kind of colour vision."""
+
+STYLE = {
+    "font.family": "sans-serif",
+    "font.size": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.titlesize": 8.5,
+    "axes.titlelocation": "left",
+    "grid.linewidth": 0.4,
+    "grid.color": "#dddddd",
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+}
+
+
+def template(name: str) -> Template:
+    """Return one of the pages' templates; whatever is put into it is escaped."""
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).resolve().parent / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(name)
+
+
+def encode_face(srgb: ArrayLike) -> str:
+    """Encode one image as it is, pixel for pixel.
+
+    Args:
+        srgb: ``(3, H, W)`` srgb, [0, 1]; what lies outside is clipped, for the picture only.
+
+    Returns:
+        A PNG as a data URI.
+
+    Raises:
+        ImageContractError: Not ``(3, H, W)``, or a NaN.
+    """
+    image = np.asarray(srgb, dtype=np.float64)
+    if image.ndim != 3 or image.shape[0] != 3 or image.size == 0:
+        raise ImageContractError(f"got shape {image.shape}, wanted (3, H, W)")
+    if np.isnan(image).any():
+        raise ImageContractError("the image holds a NaN; wanted srgb in [0, 1]")
+    levels = np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8)
+    buffer = io.BytesIO()
+    imsave(buffer, np.ascontiguousarray(levels.transpose(1, 2, 0)), format="png")
+    return data_uri(buffer.getvalue())
+
+
+def png_bytes(figure: Figure) -> bytes:
+    """Return a figure as a PNG; the same figure gives the same bytes."""
+    buffer = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def data_uri(png: bytes) -> str:
+    """Return a PNG as a data URI, to be put into a page."""
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
