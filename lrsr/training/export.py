@@ -3,8 +3,7 @@
 import logging
 import math
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import cast
 
@@ -19,7 +18,6 @@ from lrsr.onnx import open_session
 
 OPSET = 18
 TOLERANCE = 1e-5
-_TALKERS = ("onnx_ir", "onnxscript", "torch.onnx")  # they report each pass
 
 
 def export_onnx(
@@ -71,18 +69,23 @@ def _as_onnx(
     free: Mapping[int, str],
     about: Mapping[str, str],
 ) -> bytes:
-    with _quiet():
-        program = torch.onnx.export(
-            network,
-            (torch.rand(shape),),
-            input_names=[names[0]],
-            output_names=[names[1]],
-            dynamic_shapes=({axis: torch.export.Dim(name) for axis, name in free.items()},),
-            opset_version=OPSET,
-            dynamo=True,
-            external_data=False,
-            verbose=False,
-        )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the exporter warns of its own inner changes
+        logging.disable(logging.WARNING)  # and reports each pass
+        try:
+            program = torch.onnx.export(
+                network,
+                (torch.rand(shape),),
+                input_names=[names[0]],
+                output_names=[names[1]],
+                dynamic_shapes=({axis: torch.export.Dim(name) for axis, name in free.items()},),
+                opset_version=OPSET,
+                dynamo=True,
+                external_data=False,
+                verbose=False,
+            )
+        finally:
+            logging.disable(logging.NOTSET)
     model: onnx.ModelProto = cast("torch.onnx.ONNXProgram", program).model_proto
     graph = model.graph
     for part in (*graph.node, *graph.input, *graph.output, *graph.value_info):
@@ -91,21 +94,6 @@ def _as_onnx(
     onnx.checker.check_model(model)
     content: bytes = model.SerializeToString()
     return content
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    talkers = [logging.getLogger(name) for name in _TALKERS]
-    levels = [talker.level for talker in talkers]
-    for talker in talkers:
-        talker.setLevel(logging.ERROR)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # the exporter warns of its own inner changes
-            yield
-    finally:
-        for talker, level in zip(talkers, levels, strict=True):
-            talker.setLevel(level)
 
 
 def _difference(path: Path, network: nn.Module, name: str, shape: tuple[int, ...]) -> float:

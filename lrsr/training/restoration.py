@@ -128,10 +128,13 @@ class Restoration(Learner):
             NonFiniteError: A restored image holds a NaN.
         """
         small, true = batch
-        with torch.autocast(self.device.type, enabled=False):
-            restored = self._upscaler(small)
-        if not bool(torch.isfinite(restored).all()):
-            raise NonFiniteError(f"a restored image is NaN at epoch {self.current_epoch}")
+        try:
+            with torch.autocast(self.device.type, enabled=False):
+                restored = self._upscaler(small)
+        except NonFiniteError as error:
+            raise NonFiniteError(
+                f"a restored image is NaN at epoch {self.current_epoch}: {error}"
+            ) from error
         scale = self.card.scale
         psnr_db, bicubic_db = (
             psnr_y(image.numpy(force=True), true.numpy(force=True), shave=scale)

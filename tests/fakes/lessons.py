@@ -22,15 +22,15 @@ quiet = partial(Trainer, accelerator="cpu", devices=1, log_every_n_steps=1)
 
 
 def draw_pictures(count: int, size: int, seed: int) -> torch.Tensor:
-    """Discs with sharp edges, (count, 3, size, size) srgb."""
+    """Grey discs with sharp edges, (count, 3, size, size) srgb."""
     generator = torch.Generator().manual_seed(seed)
     y, x = torch.meshgrid(torch.arange(size), torch.arange(size), indexing="ij")
     pictures = torch.full((count, 3, size, size), 0.5)
     for picture in pictures:
         for _ in range(12):
-            cx, cy, r, *tone = torch.rand(6, generator=generator).tolist()
+            cx, cy, r, tone = torch.rand(4, generator=generator).tolist()
             inside = (x - cx * size) ** 2 + (y - cy * size) ** 2 < (0.05 + 0.15 * r) ** 2 * size**2
-            picture[:, inside] = 0.07 + 0.85 * torch.tensor(tone)[:, None]
+            picture[:, inside] = tone
     return pictures
 
 

@@ -1,5 +1,6 @@
 import torch
-from lrsr.recognition.backbone import Backbone, Residual
+
+from lrsr.training.backbone import Backbone, Residual
 
 
 def test_it_has_about_a_million_parameters_and_fits_in_five_megabytes() -> None:

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 import torch
-from lrsr.recognition.degradation import Degradation
+
+from lrsr.training.degradation import Degradation
 
 SHARP = torch.ones(6, dtype=torch.bool)
 STILL = {"noise": 0.0, "gain": 0.0, "tint": 0.0, "contrast": 0.0, "jitter": 0.0}

@@ -1,43 +1,53 @@
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnx
 import onnxruntime
 import pytest
 import torch
-from lrsr.sr.export import OPSET, TOLERANCE, export_onnx
-from lrsr.sr.srcnn import SRCNN
 
-from lrsr.errors import NonFiniteError
-from lrsr.sr import export
-from lrsr.sr.weights import Recipe
+from lrsr.errors import InputError, NonFiniteError
+from lrsr.sr.networks import NETWORKS
+from lrsr.training import export
+from lrsr.training.backbone import Backbone
+from lrsr.training.export import OPSET, TOLERANCE, export_onnx
 
-RECIPE = Recipe(scale=4, lr_made_by="rendered")
+ABOUT = {"scale": "4", "lr_made_by": "rendered"}
+
+
+def write(path: Path, network: torch.nn.Module) -> float:
+    return export_onnx(
+        path,
+        network,
+        shapes=[(2, 1, 24, 20), (1, 1, 32, 32)],
+        names=("luminance", "restored"),
+        free={0: "N", 2: "H", 3: "W"},
+        about=ABOUT,
+    )
 
 
 @pytest.fixture(scope="module")
-def network() -> SRCNN:
+def network() -> Any:
     torch.manual_seed(1)
-    return SRCNN(initialisation="default")
+    return NETWORKS["srcnn"](padding="replicate").eval()
 
 
 @pytest.fixture(scope="module")
-def exported(network: SRCNN, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def exported(network: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("onnx") / "model.onnx"
-    assert export_onnx(path, network, RECIPE) <= TOLERANCE
+    assert write(path, network) <= TOLERANCE
     return path
 
 
 @pytest.mark.parametrize("shape", [(1, 1, 1, 1), (3, 1, 5, 50), (2, 1, 128, 96)], ids=str)
 def test_onnxruntime_returns_what_torch_does_at_any_size(
-    exported: Path, network: SRCNN, shape: tuple[int, ...]
+    exported: Path, network: Any, shape: tuple[int, ...]
 ) -> None:
     luminance = torch.rand(shape, generator=torch.Generator().manual_seed(2))
-    padded = SRCNN(padding="replicate")
-    padded.load_state_dict(network.state_dict())
     (restored,) = onnxruntime.InferenceSession(exported).run(None, {"luminance": luminance.numpy()})
     assert restored.shape == shape
-    np.testing.assert_allclose(restored, padded(luminance).detach().numpy(), atol=TOLERANCE)
+    np.testing.assert_allclose(restored, network(luminance).detach().numpy(), atol=TOLERANCE)
 
 
 def test_input_and_output_are_declared_with_free_n_h_w(exported: Path) -> None:
@@ -51,37 +61,56 @@ def test_input_and_output_are_declared_with_free_n_h_w(exported: Path) -> None:
 
 
 def test_opset_is_the_stated_one(exported: Path) -> None:
-    assert [(o.domain, o.version) for o in onnx.load(exported).opset_import] == [("", OPSET)]
+    model = onnx.load(exported)
+    assert [(o.domain, o.version) for o in model.opset_import] == [("", OPSET)]
+    onnx.checker.check_model(model, full_check=True)
 
 
-def test_file_says_for_what_it_was_trained(exported: Path) -> None:
-    assert {p.key: p.value for p in onnx.load(exported).metadata_props} == RECIPE.as_text()
+def test_file_says_what_it_is_told_to(exported: Path) -> None:
+    assert {p.key: p.value for p in onnx.load(exported).metadata_props} == ABOUT
 
 
-def test_file_holds_no_path_of_this_machine(exported: Path) -> None:
+def test_file_stands_alone_and_holds_no_path_of_this_machine(exported: Path) -> None:
+    assert [path.name for path in exported.parent.iterdir()] == ["model.onnx"]
     content = exported.read_bytes()
     assert str(Path(export.__file__).parents[2]).encode() not in content
     assert b"site-packages" not in content
+    assert b"stack_trace" not in content
 
 
-def test_export_leaves_the_network_as_it_was(exported: Path, network: SRCNN) -> None:
-    assert network.padding == "none"
-    assert network.training
+def test_a_backbone_of_any_batch_is_exported_too(tmp_path: Path) -> None:
+    torch.manual_seed(3)
+    path, network = tmp_path / "model.onnx", Backbone().eval()
+    shapes = [(2, 3, 112, 112), (5, 3, 112, 112)]
+    names = ("faces", "embeddings")
+    export_onnx(path, network, shapes=shapes, names=names, free={0: "batch"}, about={})
+    faces = torch.rand(7, 3, 112, 112, generator=torch.Generator().manual_seed(9))
+    (found,) = onnxruntime.InferenceSession(path).run(None, {"faces": faces.numpy()})
+    with torch.no_grad():
+        wanted = torch.nn.functional.normalize(network(faces)).numpy()
+    assert np.abs(found / np.linalg.norm(found, axis=1, keepdims=True) - wanted).max() < 1e-4
+    assert path.stat().st_size < 5e6
 
 
 def test_onnx_that_differs_from_torch_is_not_written(
-    tmp_path: Path, network: SRCNN, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, network: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(export, "_difference", lambda *_: 2e-5)
     with pytest.raises(RuntimeError, match=r"ONNX and torch differ by 2.0e-05, over 1e-05"):
-        export_onnx(tmp_path / "model.onnx", network, RECIPE)
-    assert not (tmp_path / "model.onnx").exists()
+        write(tmp_path / "model.onnx", network)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_network_that_returns_nan_is_not_written(tmp_path: Path) -> None:
-    network = SRCNN()
+    network: Any = NETWORKS["srcnn"](padding="replicate").eval()
     with torch.no_grad():
         network.reconstruct.bias.fill_(float("nan"))
     with pytest.raises(NonFiniteError, match="is not written: the network returns NaN"):
-        export_onnx(tmp_path / "model.onnx", network, RECIPE)
-    assert not (tmp_path / "model.onnx").exists()
+        write(tmp_path / "model.onnx", network)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_a_file_is_named(network: Any, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot write"):
+        write(tmp_path / "file" / "model.onnx", network)

@@ -1,120 +1,174 @@
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
 import pytest
 import torch
-from lrsr.data.cache import RenderCache
-from lrsr.recognition.faces import (
-    FaceSettings,
-    load_training_faces,
-    load_validation_faces,
-    render_faces,
-    training_recipes,
-    validation_recipes,
-)
+from fakes.painted import PaintedMaker
 
+from lrsr.camera import Camera
 from lrsr.errors import InputError
-from lrsr.identities.morphable import RECIPE_VERSION
-from lrsr.identities.population import Population
-from lrsr.identities.roster import Roster, write_roster
+from lrsr.identities.face.expression import NEUTRAL
+from lrsr.identities.person import Person
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.recipe import Recipe
+from lrsr.pictures.render import filmed
+from lrsr.presets import preset
+from lrsr.rendering.lens import PINHOLE
+from lrsr.rendering.pose import FRONTAL
+from lrsr.rendering.scene import Quality
+from lrsr.rendering.standpoint import LEVEL
+from lrsr.training.faces import Faces, draw_views
+from lrsr.training.variety import Variety
 
-if TYPE_CHECKING:
-    from lrsr.data.maker import Maker
 
-FEW = FaceSettings(identities=3, validation_identities=2, sharp_views=2, small_views=1)
-
-
-def test_nobody_learned_is_used_to_validate() -> None:
-    learned = {recipe.identity_id for recipe in training_recipes(FEW)}
-    validated = {
-        recipe.identity_id for views in validation_recipes(FEW).values() for recipe in views
+def lessons(cache: RenderCache, maker: PaintedMaker, count: int = 3, **changes: Any) -> Faces:
+    share = changes.pop("expression_share", 0.0)
+    lightings = [preset("lighting", name) for name in ("frontal", "above")]
+    given: dict[str, Any] = {
+        "people": [Person("train", index) for index in range(count)],
+        "validation_people": [Person("validation", index) for index in range(2)],
+        "variety": Variety([FRONTAL], lightings, [preset("expression", "smile")], 0.3, share),
+        "gallery_lighting": lightings[0],
+        "probe_lighting": lightings[1],
+        "validation_ipd_px": [64, 14, 11, 8],
+        "validation_samples": 256,
+        "sharp_views": 2,
+        "small_views": 1,
+        "sharp_ipd_px": [32, 36],
+        "small_ipd_px": [7, 16],
+        "sharp_samples": 16,
+        "compressions": ["none", "small", "heavy"],
+        "enlargements": [1, 4],
+        "antialias": True,
+        "views": 2,
+        "lens": PINHOLE,
+        "standpoint": LEVEL,
+        "quality": Quality(96),
+        "camera": Camera(),
+        "batch_size": 2,
+        "seed": 0,
+        "progress": False,
     }
-    assert learned == {"train-00000", "train-00001", "train-00002"}
-    assert validated == {"validation-00000", "validation-00001"}
+    return Faces(cache=cache, maker=maker, **{**given, **changes})
 
 
-def test_a_roster_redraws_who_is_learned_and_nobody_who_validates(tmp_path: Path) -> None:
-    men = Population("male")
-    redrawn = Roster("train", 0, 3, men, RECIPE_VERSION, "dlib", 11.2, {1: 2})
-    path = write_roster(tmp_path / "roster.json", redrawn)
-    settings = replace(FEW, sex="male", roster=str(path))
-    assert [view.draw for view in training_recipes(settings)] == [0, 0, 0, 2, 2, 2, 0, 0, 0]
-    validated = [view for views in validation_recipes(settings).values() for view in views]
-    assert {(view.population, view.draw) for view in validated} == {(men, 0)}
-    with pytest.raises(InputError, match="covers train 0 to 2"):
-        replace(settings, identities=4)
+@pytest.fixture
+def few(cache: RenderCache, painter: PaintedMaker) -> Faces:
+    return lessons(cache, painter)
 
 
-def test_every_person_is_seen_frontally_once_and_small_as_asked() -> None:
-    views = [recipe for recipe in training_recipes(FEW) if recipe.index == 1]
-    assert [view.pose for view in views].count("frontal") == 1
-    assert [32 <= view.ipd_px <= 36 for view in views] == [True, True, False]
-    assert 7 <= views[2].ipd_px <= 16
+@pytest.fixture
+def ready(few: Faces) -> Faces:
+    few.prepare_data()
+    few.setup()
+    return few
 
 
-def test_recipes_follow_from_the_seed_and_not_from_how_many_there_are() -> None:
-    more = FaceSettings(identities=5, validation_identities=2, sharp_views=2, small_views=1)
-    other = FaceSettings(identities=3, sharp_views=2, small_views=1, seed=1)
-    assert training_recipes(more)[:9] == training_recipes(FEW)
-    assert training_recipes(other) != training_recipes(FEW)
+def test_every_person_is_seen_frontally_once_and_small_as_asked(few: Faces) -> None:
+    views = [recipe for recipe in few.training_recipes() if recipe.person.index == 1]
+    assert views[0].scene.pose == FRONTAL
+    assert [32 <= view.film.ipd_px <= 36 for view in views] == [True, True, False]
+    assert 7 <= views[2].film.ipd_px <= 16
+    assert [view.quality.samples_per_pixel for view in views] == [16, 16, 96]
 
 
-def test_all_samplers_differ() -> None:
-    seeds = [recipe.seed for recipe in training_recipes(FEW)]
+def test_recipes_follow_from_the_seed_and_not_from_how_many_there_are(
+    few: Faces, cache: RenderCache, painter: PaintedMaker
+) -> None:
+    more, other = lessons(cache, painter, 5), lessons(cache, painter, seed=1)
+    assert more.training_recipes()[:9] == few.training_recipes()
+    assert other.training_recipes() != few.training_recipes()
+
+
+def test_all_samplers_differ(few: Faces) -> None:
+    seeds = [recipe.seed for recipe in few.training_recipes()]
     assert len(set(seeds)) == len(seeds)
 
 
-def test_rendering_can_be_done_beforehand(cache: RenderCache, maker: "Maker") -> None:
-    assert render_faces(FEW, cache, progress=False, maker=maker) == 3 * 3 + 2 * 5
-    assert render_faces(FEW, cache, progress=False, maker=maker) == 0
+def test_everything_is_rendered_beforehand(ready: Faces, painter: PaintedMaker) -> None:
+    recipes = {filmed(*shot) for shot in ready.shots()}
+    assert len(recipes) == 3 * 3 + 2 * 5
 
 
-def test_sharp_faces_come_once_and_small_ones_in_six_guises(
-    cache: RenderCache, maker: "Maker"
-) -> None:
-    faces = load_training_faces(FEW, cache, progress=False, maker=maker)
-    assert (faces.crops.shape, faces.crops.dtype) == ((3 * (2 + 6), 3, 112, 112), torch.uint8)
+def test_camera_lens_and_standpoint_count(cache: RenderCache, painter: PaintedMaker) -> None:
+    plain = lessons(cache, painter).about()["renderings"]
+    for other in (
+        {"lens": preset("lens", "single")},
+        {"standpoint": preset("standpoint", "scface_far")},
+        {"camera": Camera(supersampling=2)},
+        {"quality": Quality(97)},
+    ):
+        assert lessons(cache, painter, **other).about()["renderings"] != plain
+
+
+def test_sharp_faces_come_once_and_small_ones_in_six_guises(ready: Faces) -> None:
+    crops, people, sharp = ready.faces.tensors
+    assert (crops.shape, crops.dtype) == ((3 * (2 + 6), 3, 112, 112), torch.uint8)
     for person in range(3):
-        rows = faces.people == person
-        assert int((rows & faces.sharp).sum()) == 2
-        assert int((rows & ~faces.sharp).sum()) == 6
+        assert int(((people == person) & sharp).sum()) == 2
+        assert int(((people == person) & ~sharp).sum()) == 6
 
 
-def test_faces_of_one_person_are_alike(cache: RenderCache, maker: "Maker") -> None:
-    faces = load_training_faces(FEW, cache, progress=False, maker=maker)
-    crops = faces.crops.float().flatten(1)
+def test_faces_of_one_person_are_alike(ready: Faces) -> None:
+    faces, people, _ = ready.faces.tensors
+    crops = faces.float().flatten(1)
     likeness = torch.corrcoef(crops - crops.mean(0))
-    same = faces.people[:, None] == faces.people[None]
+    same = people[:, None] == people[None]
     assert float(likeness[same].min()) > float(likeness[~same].max())
 
 
-def test_validation_meets_the_gallery_at_four_sizes(cache: RenderCache, maker: "Maker") -> None:
-    sets = load_validation_faces(FEW, cache, progress=False, maker=maker)
+def test_validation_meets_the_gallery_at_four_sizes(ready: Faces) -> None:
+    sets = dict(ready.val_dataloader())
     assert list(sets) == ["gallery", "ipd64", "ipd14", "ipd11", "ipd8"]
     assert all(crops.shape == (2, 3, 112, 112) for crops in sets.values())
 
 
-def test_expressions_change_nothing_but_the_faces() -> None:
+def test_batches_are_crops_people_and_sharpness(ready: Faces) -> None:
+    crops, people, sharp = next(iter(ready.train_dataloader()))
+    assert (crops.shape, crops.dtype) == ((2, 3, 112, 112), torch.uint8)
+    assert (people.dtype, sharp.dtype) == (torch.int64, torch.bool)
+
+
+def test_each_person_is_drawn_as_often_half_of_it_sharp() -> None:
+    people, sharp = np.repeat(np.arange(3), 8), np.tile(np.arange(8) < 2, 3)
+    rows = draw_views(people, sharp, 5, np.random.default_rng(0))
+    for person in range(3):
+        drawn = rows[people[rows] == person]
+        assert len(drawn) == 5
+        assert int(sharp[drawn].sum()) == 2
+
+
+def test_expressions_change_nothing_but_the_faces(
+    cache: RenderCache, painter: PaintedMaker
+) -> None:
+    def at_rest(recipe: Recipe) -> Recipe:
+        return replace(recipe, scene=replace(recipe.scene, expression=NEUTRAL))
+
     plain, acting = (
-        training_recipes(FaceSettings(identities=6, expression_share=share)) for share in (0.0, 0.5)
+        lessons(cache, painter, 12, expression_share=share).training_recipes()
+        for share in (0.0, 0.5)
     )
-    assert {recipe.expression for recipe in plain} == {"neutral"}
-    assert [replace(recipe, expression="neutral") for recipe in acting] == plain
-    shown = [recipe.expression != "neutral" for recipe in acting]
-    assert not any(shown[::6])  # the first view of each person
+    assert {recipe.scene.expression.name for recipe in plain} == {"neutral"}
+    assert [at_rest(recipe) for recipe in acting] == plain
+    shown = [recipe.scene.expression != NEUTRAL for recipe in acting]
+    assert not any(shown[::3])  # the first view of each person
     assert 5 < sum(shown) < 25
 
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"identities": 1}, "faces.identities=1: wanted at least 2"),
-        ({"sharp_views": 0}, "faces.sharp_views=0: wanted at least 1"),
-        ({"expression_share": 1.5}, "faces.expression_share=1.5: wanted 0 to 1"),
-        ({"small_ipd_px": (9, 7)}, r"faces.small_ipd_px=\[9.0, 7.0\]: wanted 0 < lowest"),
+        ({"people": [Person("train", 0)]}, "identities.count=1: wanted at least 2"),
+        ({"sharp_views": 0}, "data.sharp_views=0: wanted at least 1"),
+        ({"views": 0}, "data.views=0: wanted at least 1"),
+        ({"batch_size": 1}, "data.batch_size=1: wanted at least 2"),
+        ({"small_ipd_px": (9, 7)}, r"data.small_ipd_px=\[9.0, 7.0\]: wanted 0 < lowest"),
     ],
+    ids=["people", "sharp", "views", "batch", "ipd"],
 )
-def test_impossible_settings_are_refused(wrong: dict[str, Any], message: str) -> None:
+def test_impossible_settings_are_refused(
+    cache: RenderCache, painter: PaintedMaker, wrong: dict[str, Any], message: str
+) -> None:
     with pytest.raises(InputError, match=message):
-        FaceSettings(**wrong)
+        lessons(cache, painter, **wrong)

@@ -3,7 +3,8 @@ import math
 import pytest
 import torch
 import torch.nn.functional as F
-from lrsr.recognition.margin import AngularMargin
+
+from lrsr.training.margin import AngularMargin
 
 
 def head_at(*angles: float, scale: float = 32.0, margin: float = 0.5) -> AngularMargin:

@@ -3,9 +3,9 @@ from typing import Any
 
 import pytest
 import torch
-from lrsr.sr.precision import choose_precision, has_bfloat16
 
-from lrsr.sr import precision
+from lrsr.training import precision
+from lrsr.training.precision import choose_precision, has_bfloat16
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,14 @@
 import math
+from functools import partial
+from typing import Any
 
 import pytest
 import torch
-from lightning.pytorch import LightningDataModule, Trainer
-from lrsr.sr.module import SRCNNModule
+from fakes.lessons import SyntheticPairs, make_edsr, make_srcnn
+from lightning.pytorch import Trainer
 
-from lrsr.errors import NonFiniteError
-
-
-@pytest.fixture
-def module() -> SRCNNModule:
-    return SRCNNModule(scale=2)
+from lrsr.errors import InputError, NonFiniteError
+from lrsr.training.restoration import Restoration
 
 
 def make_trainer(**settings: object) -> Trainer:
@@ -25,19 +23,19 @@ def make_trainer(**settings: object) -> Trainer:
     )
 
 
-def test_defaults_are_the_papers_rates_one_tenth_in_the_last_layer(module: SRCNNModule) -> None:
-    assert module.learning_rates == (1e-3, 1e-4)
-
-
-def test_hyper_parameters_are_numbers_and_strings(module: SRCNNModule) -> None:
-    assert all(isinstance(value, int | float | str) for value in module.hparams.values())
+def test_the_papers_rates_are_one_tenth_in_the_last_layer() -> None:
+    optimizer: Any = make_srcnn(scheduler=None).configure_optimizers()
+    rates = {id(p): group["lr"] for group in optimizer.param_groups for p in group["params"]}
+    network: Any = make_srcnn().network
+    assert sorted(group["lr"] for group in optimizer.param_groups) == [1e-4, 1e-3]
+    assert len(rates) == len(list(network.parameters()))
 
 
 def test_same_seed_gives_the_same_first_weights_whatever_ran_before() -> None:
-    first = SRCNNModule(scale=2, seed=5)
+    first: Any = make_srcnn(seed=5)
     torch.rand(100)
-    second = SRCNNModule(scale=2, seed=5)
-    other = SRCNNModule(scale=2, seed=6)
+    second: Any = make_srcnn(seed=5)
+    other: Any = make_srcnn(seed=6)
     assert torch.equal(first.network.map.weight, second.network.map.weight)
     assert not torch.equal(first.network.map.weight, other.network.map.weight)
 
@@ -46,20 +44,22 @@ def test_making_a_module_leaves_the_global_generator_alone() -> None:
     torch.manual_seed(0)
     expected = torch.rand(1)
     torch.manual_seed(0)
-    SRCNNModule(scale=2, seed=9)
+    make_srcnn(seed=9)
     assert torch.equal(torch.rand(1), expected)
 
 
 @pytest.mark.filterwarnings("ignore:.*many workers|.*LeafSpec|.*logging interval")
-def test_rates_fall_by_a_cosine_to_zero(module: SRCNNModule, pairs: LightningDataModule) -> None:
+def test_rates_fall_by_a_cosine_to_zero(pairs: SyntheticPairs) -> None:
     rates = []
 
-    class Recording(SRCNNModule):
+    class Recording(Restoration):
         def on_train_batch_start(self, batch: object, batch_idx: int) -> None:
-            rates.append([group["lr"] for group in self.optimizers().param_groups])
+            optimizer: Any = self.optimizers()
+            rates.append([group["lr"] for group in optimizer.param_groups])
 
-    trainer = make_trainer(max_epochs=2)
-    trainer.fit(Recording(scale=2), datamodule=pairs)
+    trainer, module = make_trainer(max_epochs=2), make_srcnn()
+    module.__class__ = Recording
+    trainer.fit(module, datamodule=pairs)
     steps = trainer.global_step
     expected = [0.5 * (1 + math.cos(math.pi * step / steps)) for step in range(steps)]
     assert [first for first, _ in rates] == pytest.approx([1e-3 * e for e in expected])
@@ -67,15 +67,59 @@ def test_rates_fall_by_a_cosine_to_zero(module: SRCNNModule, pairs: LightningDat
 
 
 def test_rates_stay_where_no_decay_is_asked_for() -> None:
-    optimizer = SRCNNModule(scale=2, decay="none").configure_optimizers()
+    optimizer = make_srcnn(scheduler=None).configure_optimizers()
     assert isinstance(optimizer, torch.optim.Adam)
     assert [group["lr"] for group in optimizer.param_groups] == [1e-3, 1e-4]
 
 
-def test_nan_in_validation_stops_the_run(module: SRCNNModule) -> None:
-    make_trainer(max_epochs=1).strategy.connect(module)
+def test_a_schedule_of_a_length_of_its_own_keeps_it() -> None:
+    module = make_srcnn(scheduler=partial(torch.optim.lr_scheduler.CosineAnnealingLR, T_max=7))
+    module.trainer = make_trainer(max_epochs=1)
+    made: Any = module.configure_optimizers()
+    assert made["lr_scheduler"]["scheduler"].T_max == 7
+
+
+def test_nan_in_validation_stops_the_run() -> None:
+    module: Any = make_srcnn()
     module.trainer = make_trainer(max_epochs=1)
     with torch.no_grad():
         module.network.map.bias.fill_(float("nan"))
+    module.on_validation_start()
     with pytest.raises(NonFiniteError, match="a restored image is NaN at epoch 0"):
-        module.validation_step((torch.rand(1, 1, 32, 32), torch.rand(1, 1, 32, 32)), 0)
+        module.validation_step((torch.rand(1, 3, 16, 16), torch.rand(1, 3, 32, 32)), 0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"loss": "l3"}, "module.loss=l3: wanted one of mse, l1"),
+        ({"architecture": "fsrcnn"}, "module.architecture=fsrcnn: wanted one of"),
+        ({"slower": {"tail": 0.1}}, "module.slower=tail: srcnn has no such part"),
+    ],
+    ids=["loss", "network", "part"],
+)
+def test_an_impossible_setting_is_refused(wrong: dict[str, Any], message: str) -> None:
+    settings: dict[str, Any] = {"architecture": "srcnn", "scale": 2, "loss": "mse"}
+    with pytest.raises(InputError, match=message):
+        Restoration(optimizer=partial(torch.optim.Adam, lr=1.0), **{**settings, **wrong})
+
+
+def test_the_absolute_error_is_a_choice() -> None:
+    zeros = torch.zeros(1, 3, 16, 16)
+    module = make_edsr()
+    module.network = torch.nn.Upsample(scale_factor=2)  # type: ignore[assignment]
+    assert float(module.loss((zeros, torch.full((1, 3, 32, 32), 0.5)))) == pytest.approx(0.5)
+
+
+def test_turned_pairs_stay_pairs_and_follow_from_the_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = make_edsr(turned=True)
+    small = torch.rand(2, 3, 4, 4, generator=torch.Generator().manual_seed(0))
+    true = small.repeat_interleave(2, 2).repeat_interleave(2, 3)
+    seen = []
+    for step in range(40):
+        monkeypatch.setattr(Restoration, "global_step", step)
+        turned, target = module._turn((small, true))
+        assert torch.equal(turned.repeat_interleave(2, 2).repeat_interleave(2, 3), target)
+        assert torch.equal(turned, module._turn((small, true))[0])
+        seen.append(tuple(turned.flatten().tolist()))
+    assert len(set(seen)) == 8

@@ -3,8 +3,8 @@ import json
 import signal
 import subprocess
 import sys
-import textwrap
 import time
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,44 +13,62 @@ import numpy as np
 import onnxruntime
 import pytest
 import torch
-from lightning.pytorch import LightningDataModule, Trainer
-from lrsr.sr.module import Pair, SRCNNModule
-from lrsr.sr.training import EPOCHS, train
+from fakes.lessons import PaintedFaces, SyntheticPairs, make_arcface, make_edsr, make_srcnn, quiet
+from lightning.pytorch import LightningDataModule
+from lightning.pytorch.loggers import CSVLogger
 from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.errors import InputError, NonFiniteError
-from lrsr.sr import Upscaler, training
+from lrsr.images import luminance
+from lrsr.recognition import Engine
+from lrsr.sr import load_upscaler
 from lrsr.sr.weights import read_weights
+from lrsr.training import identification, restoration
+from lrsr.training.learner import Learner
+from lrsr.training.patches import Pair, RgbPatches
+from lrsr.training.restoration import Restoration
+from lrsr.training.run import train
 
-quiet = partial(Trainer, accelerator="cpu", devices=1, log_every_n_steps=1)
+pytestmark = [
+    # Lightning and PyTorch about themselves; what they say changes nothing here.
+    pytest.mark.filterwarnings("ignore:.*lr_scheduler.step.*"),
+]
 
 
-def run(pairs: LightningDataModule, folder: Path, *, epochs: int = 1, **settings: Any) -> Any:
-    module = SRCNNModule(scale=2, **settings)
-    return module, train(pairs, module, folder=folder, trainer=partial(quiet, max_epochs=epochs))
+def run(
+    data: LightningDataModule,
+    folder: Path,
+    *,
+    epochs: int = 1,
+    module: Learner | None = None,
+    **settings: Any,
+) -> Any:
+    module = module or make_srcnn()
+    given = {"depends_on": {"epochs": epochs}, **settings}
+    return module, train(
+        module, data, folder=folder, trainer=partial(quiet, max_epochs=epochs), **given
+    )
 
 
 @pytest.fixture
 def _no_export(monkeypatch: pytest.MonkeyPatch) -> None:
     """Spare seconds where the ONNX file is not the question."""
-    monkeypatch.setattr(training, "export_onnx", lambda *_: 0.0)
+    monkeypatch.setattr(restoration, "export_onnx", lambda *_, **__: 0.0)
+    monkeypatch.setattr(identification.Identification, "ship", lambda *_: {})
 
 
 without_export = pytest.mark.usefixtures("_no_export")
 
 
 @pytest.fixture(scope="module")
-def finished(many_pairs: LightningDataModule, tmp_path_factory: pytest.TempPathFactory) -> Any:
+def finished(many_pairs: SyntheticPairs, tmp_path_factory: pytest.TempPathFactory) -> Any:
     """A module and its run folder after two epochs of some 90 steps."""
-    return run(many_pairs, tmp_path_factory.mktemp("finished") / "run", epochs=2)
-
-
-def test_paper_trains_160_epochs_for_2x_and_40_for_4x() -> None:
-    assert EPOCHS == {2: 160, 4: 40}
+    folder = tmp_path_factory.mktemp("finished") / "run"
+    return run(many_pairs, folder, epochs=2, loggers=[partial(CSVLogger, name="csv")])
 
 
 def test_two_epochs_gain_over_bicubic_on_pictures_not_seen(
-    finished: tuple[SRCNNModule, Path],
+    finished: tuple[Restoration, Path],
 ) -> None:
     _, folder = finished
     best = json.loads((folder / "metrics.json").read_text())["best"]
@@ -58,7 +76,7 @@ def test_two_epochs_gain_over_bicubic_on_pictures_not_seen(
 
 
 def test_run_folder_holds_what_the_stable_surface_promises(
-    finished: tuple[SRCNNModule, Path],
+    finished: tuple[Restoration, Path],
 ) -> None:
     _, folder = finished
     names = {path.name for path in folder.iterdir()}
@@ -66,7 +84,7 @@ def test_run_folder_holds_what_the_stable_surface_promises(
     assert not {name for name in names if name.endswith(".part")}
 
 
-def test_best_epoch_is_kept_by_validation_psnr(finished: tuple[SRCNNModule, Path]) -> None:
+def test_best_epoch_is_kept_by_validation_psnr(finished: tuple[Restoration, Path]) -> None:
     module, folder = finished
     best = max(module.history, key=lambda epoch: epoch["val/psnr_y_db"])
     checkpoint = torch.load(folder / "best.ckpt", weights_only=True)
@@ -74,18 +92,21 @@ def test_best_epoch_is_kept_by_validation_psnr(finished: tuple[SRCNNModule, Path
     assert json.loads((folder / "metrics.json").read_text())["best"] == best
 
 
-def test_metrics_say_what_made_them(finished: tuple[SRCNNModule, Path]) -> None:
+def test_metrics_say_what_made_them(finished: tuple[Restoration, Path]) -> None:
     module, folder = finished
     metrics = json.loads((folder / "metrics.json").read_text())
-    assert metrics["recipe"]["scale"] == 2
-    assert metrics["hyper_parameters"] == dict(module.hparams)
+    assert metrics["finished"] is True
+    assert metrics["card"]["scale"] == 2
+    assert metrics["settings"] == {"epochs": 2}
     assert metrics["history"] == module.history
     assert metrics["seed"] == 0
-    assert metrics["validation_images"] == 2
+    assert metrics["precision"] in {"32-true", "bf16-mixed"}
+    assert metrics["versions"]["torch"]
+    assert metrics["validation_batches"] == 2
     assert metrics["steps"] == 2 * metrics["steps_per_epoch"]
 
 
-def test_csv_log_has_a_line_for_each_epoch(finished: tuple[SRCNNModule, Path]) -> None:
+def test_csv_log_has_a_line_for_each_epoch(finished: tuple[Restoration, Path]) -> None:
     module, folder = finished
     with (folder / "csv" / "version_0" / "metrics.csv").open() as file:
         logged = [row["val/psnr_y_db"] for row in csv.DictReader(file) if row["val/psnr_y_db"]]
@@ -95,179 +116,240 @@ def test_csv_log_has_a_line_for_each_epoch(finished: tuple[SRCNNModule, Path]) -
 
 
 def test_shipped_weights_checkpoint_and_onnx_are_the_same_network(
-    finished: tuple[SRCNNModule, Path], many_pairs: LightningDataModule
+    finished: tuple[Restoration, Path], many_pairs: SyntheticPairs
 ) -> None:
     module, folder = finished
-    enlarged, _ = many_pairs.val_pairs
-    network, recipe = read_weights(folder / "model.safetensors")
-    assert recipe == module.recipe
-    from_checkpoint, _ = read_weights(folder / "best.ckpt")
-    torch.testing.assert_close(network(enlarged), from_checkpoint(enlarged), rtol=0, atol=0)
-    session = onnxruntime.InferenceSession(folder / "model.onnx")
-    (restored,) = session.run(None, {"luminance": enlarged.numpy()})
-    np.testing.assert_allclose(restored, network(enlarged).numpy(), atol=1e-5)
+    small, _ = many_pairs.val_pairs
+    from_weights, from_checkpoint, from_onnx = (
+        load_upscaler(folder / name)(small)
+        for name in ("model.safetensors", "best.ckpt", "model.onnx")
+    )
+    assert read_weights(folder / "model.safetensors")[1] == module.card
+    torch.testing.assert_close(from_weights, from_checkpoint, rtol=0, atol=0)
+    torch.testing.assert_close(from_weights, from_onnx, rtol=0, atol=1e-5)
 
 
 def test_logged_psnr_is_the_one_of_the_shipped_weights(
-    finished: tuple[SRCNNModule, Path], many_pairs: LightningDataModule
+    finished: tuple[Restoration, Path], many_pairs: SyntheticPairs
 ) -> None:
-    """Validation pads as inference does, in float32, with a border of `scale` left out."""
+    """Validation is of the upscaler that is shipped, with a border of `scale` left out."""
     _, folder = finished
-    target = many_pairs.val_pairs[1].numpy()[:, 0]
-    network, _ = read_weights(folder / "model.safetensors")
-    restored = network(many_pairs.val_pairs[0]).numpy()[:, 0].clip(0, 1)
+    small, true = many_pairs.val_pairs
+    restored = luminance(load_upscaler(folder / "model.safetensors")(small)).numpy()[:, 0]
     psnr_db = [
         peak_signal_noise_ratio(t[2:-2, 2:-2], r[2:-2, 2:-2], data_range=1.0)
-        for t, r in zip(target, restored, strict=True)
+        for t, r in zip(luminance(true).numpy()[:, 0], restored, strict=True)
     ]
     best = json.loads((folder / "metrics.json").read_text())["best"]
     assert best["val/psnr_y_db"] == pytest.approx(np.mean(psnr_db), abs=1e-4)
 
 
-def test_upscaler_takes_the_checkpoint_of_a_run(finished: tuple[SRCNNModule, Path]) -> None:
-    _, folder = finished
-    assert Upscaler("srcnn2", folder / "best.ckpt")(torch.zeros(1, 3, 4, 5)).shape == (1, 3, 8, 10)
+def test_a_network_of_colours_goes_the_same_way(tmp_path: Path) -> None:
+    data = SyntheticPairs(batch_size=8, count=8, patches=RgbPatches(16, 8))
+    _, folder = run(data, tmp_path, module=make_edsr(turned=True), epochs=1)
+    small, true = data.val_pairs
+    assert load_upscaler(folder / "model.onnx")(small).shape == true.shape
+    (value,) = onnxruntime.InferenceSession(folder / "model.onnx").get_inputs()
+    assert (value.name, value.shape) == ("rgb", ["N", 3, "H", "W"])
+
+
+def test_an_embedder_leaves_a_model_with_its_contract_and_what_it_measures(tmp_path: Path) -> None:
+    _, folder = run(PaintedFaces(), tmp_path, module=make_arcface(), epochs=2)
+    record = json.loads((folder / "metrics.json").read_text())
+    assert [entry["epoch"] for entry in record["history"]] == [0, 1]
+    assert {"train/loss", "train/accuracy", "val/auc", "val/auc_ipd8"} <= set(record["history"][0])
+    assert 0 <= record["onnx"]["val/auc_ipd8"] <= 1
+    assert Engine(folder / "model.onnx").describe()["sha256"] == record["model_sha256"]
+
+
+class PowerCutError(Exception):
+    """Not Lightning's to catch."""
 
 
 @without_export
+@pytest.mark.parametrize(
+    ("make", "lessons"),
+    [(make_srcnn, SyntheticPairs), (make_arcface, PaintedFaces)],
+    ids=["srcnn", "arcface"],
+)
 def test_resumed_run_ends_where_the_uninterrupted_one_does(
-    pairs: LightningDataModule, tmp_path: Path
+    make: Callable[[], Learner], lessons: type[LightningDataModule], tmp_path: Path
 ) -> None:
-    straight, _ = run(pairs, tmp_path / "straight", epochs=3)
+    straight, _ = run(lessons(), tmp_path / "straight", epochs=3, module=make())
+    stopping = make()
+    loss = stopping.loss
 
-    class StopAfterTwo(SRCNNModule):
-        def on_train_epoch_start(self) -> None:
-            if self.current_epoch == 2:
-                raise RuntimeError("power cut")
+    def cut_off(batch: Any) -> torch.Tensor:
+        if stopping.current_epoch == 2:
+            raise PowerCutError
+        return loss(batch)
 
-    with pytest.raises(RuntimeError, match="power cut"):
-        train(
-            pairs,
-            StopAfterTwo(scale=2),
-            folder=tmp_path / "cut",
-            trainer=partial(quiet, max_epochs=3),
-        )
-    resumed, _ = run(pairs, tmp_path / "cut", epochs=3)
+    stopping.loss = cut_off  # type: ignore[method-assign]
+    with pytest.raises(PowerCutError):
+        run(lessons(), tmp_path / "cut", epochs=3, module=stopping)
+    resumed, _ = run(lessons(), tmp_path / "cut", epochs=3, module=make())
     assert [epoch["epoch"] for epoch in resumed.history] == [0, 1, 2]
     assert resumed.history == straight.history
-    for name, value in straight.network.state_dict().items():
-        torch.testing.assert_close(resumed.network.state_dict()[name], value, rtol=0, atol=0)
+    for name, value in straight.state_dict().items():
+        assert torch.equal(resumed.state_dict()[name], value), name
 
 
-@without_export
-def test_resume_false_begins_again(pairs: LightningDataModule, tmp_path: Path) -> None:
-    begun, _ = run(pairs, tmp_path / "run", epochs=1)
-    module = SRCNNModule(scale=2)
-    trainer = partial(quiet, max_epochs=1)
-    train(pairs, module, folder=tmp_path / "run", trainer=trainer, resume=False)
-    assert module.history == begun.history
+FAKE = "import sys; from fakes.lessons import train_fake; train_fake(*sys.argv[1:3], 4)"
 
 
-@without_export
-def test_last_checkpoint_is_written_after_a_worse_epoch_too(
-    pairs: LightningDataModule, tmp_path: Path
+@pytest.mark.parametrize("network", ["srcnn", "arcface"])
+def test_four_epochs_killed_after_two_end_with_the_same_weights(
+    network: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class EverWorse(SRCNNModule):
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]), prepend=":")
+    begin = partial(subprocess.Popen, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    folders = [str(tmp_path / name) for name in ("whole", "killed")]
+    whole, killed = ([sys.executable, "-c", FAKE, network, folder] for folder in folders)
+    with begin(whole) as undisturbed:
+        with begin(killed) as process:
+            while process.poll() is None and epochs_of(Path(folders[1])) < 2:
+                time.sleep(0.01)
+            process.kill()
+            stdout, stderr = process.communicate(timeout=60)
+        assert process.returncode == -signal.SIGKILL
+        assert b"epoch 2/4: " in stderr
+        assert stdout == b"", "progress belongs to stderr"
+        subprocess.run(killed, check=True, capture_output=True)
+        undisturbed.communicate(timeout=200)
+    one, other = (torch.load(f"{folder}/last.ckpt", weights_only=True) for folder in folders)
+    assert one["epoch"] == other["epoch"] == 3
+    assert one["history"] == other["history"]
+    assert all(torch.equal(one["state_dict"][name], t) for name, t in other["state_dict"].items())
+
+
+def epochs_of(folder: Path) -> int:
+    path = folder / "metrics.json"
+    return len(json.loads(path.read_text())["history"]) if path.is_file() else 0
+
+
+@without_export
+def test_a_finished_run_is_left_as_it_is(pairs: SyntheticPairs, tmp_path: Path) -> None:
+    _, folder = run(pairs, tmp_path, epochs=2)
+    before = json.loads((folder / "metrics.json").read_text())
+    run(pairs, tmp_path, epochs=2)
+    after = json.loads((folder / "metrics.json").read_text())
+    assert after["history"] == before["history"]
+    assert after["steps"] == before["steps"]
+
+
+@without_export
+def test_a_moved_folder_still_knows_its_best_epoch(pairs: SyntheticPairs, tmp_path: Path) -> None:
+    class EverWorse(Restoration):
         def validation_step(self, batch: Pair, batch_idx: int) -> None:
             self.log("val/psnr_y_db", 30.0 - self.current_epoch)
-            self.log("val/gain_over_bicubic_db", 0.0 - self.current_epoch)
 
-    folder = tmp_path / "run"
-    train(pairs, EverWorse(scale=2), folder=folder, trainer=partial(quiet, max_epochs=2))
-    assert torch.load(folder / "last.ckpt", weights_only=True)["epoch"] == 1
-    assert torch.load(folder / "best.ckpt", weights_only=True)["epoch"] == 0
+    def worse() -> Restoration:
+        module = make_srcnn()
+        module.__class__ = EverWorse
+        return module
+
+    run(pairs, tmp_path / "a", epochs=2, module=worse(), depends_on={})
+    assert torch.load(tmp_path / "a" / "last.ckpt", weights_only=True)["epoch"] == 1
+    (tmp_path / "a").rename(tmp_path / "b")
+    run(pairs, tmp_path / "b", epochs=3, module=worse(), depends_on={})
+    assert torch.load(tmp_path / "b" / "last.ckpt", weights_only=True)["epoch"] == 2
+    assert torch.load(tmp_path / "b" / "best.ckpt", weights_only=True)["epoch"] == 0
 
 
 @without_export
-def test_other_settings_in_the_same_folder_are_refused(
-    pairs: LightningDataModule, tmp_path: Path
-) -> None:
-    run(pairs, tmp_path / "run", epochs=1)
-    with pytest.raises(InputError, match=r"last.ckpt was trained with learning_rate=0.001, this"):
-        run(pairs, tmp_path / "run", epochs=2, learning_rate=1e-2)
+def test_resume_false_begins_again(pairs: SyntheticPairs, tmp_path: Path) -> None:
+    begun, _ = run(pairs, tmp_path / "run")
+    again, _ = run(pairs, tmp_path / "run", resume=False)
+    assert again.history == begun.history
 
 
-def test_broken_last_checkpoint_is_the_users_to_remove(
-    pairs: LightningDataModule, tmp_path: Path
-) -> None:
+@without_export
+def test_another_run_is_refused_and_left_alone(pairs: SyntheticPairs, tmp_path: Path) -> None:
+    _, folder = run(pairs, tmp_path / "run", depends_on={"epochs": 1, "people": 3})
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+    with pytest.raises(InputError, match=r"last.ckpt was trained with people=3, .* people=4"):
+        run(pairs, folder, depends_on={"epochs": 1, "people": 4})
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@without_export
+def test_half_a_checkpoint_is_refused(pairs: SyntheticPairs, tmp_path: Path) -> None:
     (tmp_path / "last.ckpt").write_bytes(b"half a file")
     with pytest.raises(InputError, match=r"last.ckpt is no checkpoint of lrsr train"):
-        run(pairs, tmp_path, epochs=1)
+        run(pairs, tmp_path)
 
 
-def test_nan_in_a_patch_stops_the_run_and_says_where(
-    pairs: LightningDataModule, tmp_path: Path
+@without_export
+def test_last_checkpoint_survives_a_full_disk(
+    pairs: SyntheticPairs, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    run(pairs, tmp_path, depends_on={})
+    write = Path.write_bytes
+
+    def fill_the_disk(path: Path, content: bytes) -> int:
+        if ".ckpt" in path.name:
+            raise OSError(28, "No space left on device")
+        return write(path, content)
+
+    monkeypatch.setattr(Path, "write_bytes", fill_the_disk)
+    with pytest.raises(InputError, match=r"cannot write .*\.ckpt: No space left on device; free"):
+        run(pairs, tmp_path, epochs=2, depends_on={})
+    assert torch.load(tmp_path / "last.ckpt", weights_only=True)["epoch"] == 0
+
+
+@without_export
+def test_a_logger_on_a_full_disk_says_so(
+    pairs: SyntheticPairs, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fill_the_disk(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(CSVLogger, "save", fill_the_disk)
+    with pytest.raises(InputError, match=r"cannot write .*: No space left on device; free space"):
+        run(pairs, tmp_path, loggers=[partial(CSVLogger, name="csv")])
+
+
+def test_nan_in_a_patch_stops_the_run_and_says_where(pairs: SyntheticPairs, tmp_path: Path) -> None:
     pairs.train_pairs[0][2, 0, 30, 30] = float("nan")
     with pytest.raises(
         NonFiniteError, match=r"loss is nan at epoch 0, step \d+: the input of patch"
     ):
-        run(pairs, tmp_path, epochs=1)
+        run(pairs, tmp_path)
 
 
 def test_diverging_weights_stop_the_run_and_name_the_learning_rate(
-    pairs: LightningDataModule, tmp_path: Path
+    pairs: SyntheticPairs, tmp_path: Path
 ) -> None:
     with pytest.raises(NonFiniteError, match=r"at epoch \d+.*lower the learning rate"):
-        run(pairs, tmp_path, epochs=3, learning_rate=1e30, last_layer_learning_rate=1e30)
+        run(pairs, tmp_path, epochs=3, module=make_srcnn(lr=1e30))
 
 
-def test_run_without_validation_images_is_refused(
-    pairs: LightningDataModule, tmp_path: Path
-) -> None:
+def test_run_without_validation_images_is_refused(pairs: SyntheticPairs, tmp_path: Path) -> None:
     trainer = partial(quiet, max_epochs=1, limit_val_batches=0)
     with pytest.raises(InputError, match="no image to validate on"):
-        train(pairs, SRCNNModule(scale=2), folder=tmp_path, trainer=trainer)
+        train(make_srcnn(), pairs, folder=tmp_path, trainer=trainer, depends_on={})
 
 
 def test_interrupted_run_reaches_the_caller_as_an_interrupt(
-    pairs: LightningDataModule, tmp_path: Path
+    pairs: SyntheticPairs, tmp_path: Path
 ) -> None:
-    class Impatient(SRCNNModule):
-        def on_train_epoch_start(self) -> None:
-            if self.current_epoch == 1:
-                raise KeyboardInterrupt
+    module = make_srcnn()
+    loss = module.loss
 
+    def impatient(batch: Pair) -> torch.Tensor:
+        if module.current_epoch == 1:
+            raise KeyboardInterrupt
+        return loss(batch)
+
+    module.loss = impatient  # type: ignore[method-assign]
     handler = signal.getsignal(signal.SIGINT)
-    trainer = partial(quiet, max_epochs=2)
     with pytest.raises(KeyboardInterrupt):
-        train(pairs, Impatient(scale=2), folder=tmp_path, trainer=trainer)
+        run(pairs, tmp_path, epochs=2, module=module)
     assert signal.getsignal(signal.SIGINT) is handler
     assert (tmp_path / "last.ckpt").is_file()
 
 
-LONG_RUN = """
-    import sys
-    from functools import partial
-    from pathlib import Path
-    sys.path.insert(0, {tests!r})
-    import torch
-    from conftest import SyntheticPairs
-    from lightning.pytorch import Trainer
-    from lrsr.sr.module import SRCNNModule
-    from lrsr.sr.training import train
-    torch.set_num_threads(1)
-    trainer = partial(Trainer, max_epochs=100_000, accelerator="cpu", log_every_n_steps=1)
-    module = SRCNNModule(scale=2, decay="none")
-    train(SyntheticPairs(), module, folder=Path({folder!r}), trainer=trainer)
-"""
-
-
+@pytest.mark.parametrize("seed", [-1, 2**32, 10**20])
 @without_export
-def test_run_killed_at_any_moment_goes_on_where_it_stood(
-    pairs: LightningDataModule, tmp_path: Path
-) -> None:
-    folder = tmp_path / "run"
-    code = LONG_RUN.format(tests=str(Path(__file__).parent), folder=str(folder))
-    command = [sys.executable, "-c", textwrap.dedent(code)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE) as process:
-        while not (folder / "best.ckpt").is_file() and process.poll() is None:
-            time.sleep(0.05)
-        time.sleep(0.3)
-        process.kill()
-        stdout, stderr = process.communicate(timeout=60)
-    assert b"dB over bicubic" in stderr
-    assert stdout == b"", "progress belongs to stderr"
-    done = len(torch.load(folder / "last.ckpt", weights_only=True)["history"])
-    resumed, _ = run(pairs, folder, epochs=done + 1, decay="none")
-    assert [epoch["epoch"] for epoch in resumed.history] == list(range(done + 1))
+def test_any_whole_number_is_a_seed(pairs: SyntheticPairs, tmp_path: Path, seed: int) -> None:
+    run(pairs, tmp_path, seed=seed, module=make_srcnn(seed=seed))

@@ -1,0 +1,122 @@
+"""Every file of ``lrsr train`` composes and builds what it names, and nothing in it is dropped."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hydra import compose, initialize_config_dir
+from lightning.pytorch.loggers import CSVLogger
+from omegaconf import DictConfig
+
+from lrsr.errors import InputError
+from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.population import Population
+from lrsr.identities.roster import Roster, write_roster
+from lrsr.paths import config_folder
+from lrsr.pictures.cache import RenderCache
+from lrsr.presets import build
+from lrsr.training.lessons import read_lessons
+from lrsr.training.progress import Progress
+
+NAMES = ("srcnn2x", "srcnn4x", "edsr2x", "edsr4x", "arcface")
+
+
+def composed(name: str, *overrides: str) -> DictConfig:
+    with initialize_config_dir(str(config_folder()), version_base="1.3"):
+        words = [f"train={name}", "identities.count=4", "paths.run=x", *overrides]
+        return compose("train", overrides=words, return_hydra_config=False)
+
+
+def lessons(name: str, folder: Path, *overrides: str) -> Any:
+    return read_lessons(composed(name, *overrides), RenderCache(folder))
+
+
+def test_every_network_is_tested() -> None:
+    assert {path.stem for path in Path(config_folder(), "train").glob("*.yaml")} == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_network_and_its_lessons_are_built(name: str, tmp_path: Path) -> None:
+    data = lessons(name, tmp_path)
+    assert [person.id for person in data.people][::3] == ["train-00000", "train-00003"]
+    assert [person.split for person in data.validation_people] == ["validation"] * 2
+    module = build(composed(name, "seed=3").module, "module")
+    assert module.seed == 3
+    assert module.make_optimizer(module.parameter_groups()).param_groups[0]["lr"] > 0
+
+
+@pytest.mark.parametrize(("name", "epochs", "scale"), [("srcnn2x", 160, 2), ("srcnn4x", 40, 4)])
+def test_srcnn_is_trained_as_in_the_paper(name: str, epochs: int, scale: int) -> None:
+    config = composed(name)
+    assert (config.trainer.max_epochs, config.data.batch_size) == (epochs, 128)
+    module = build(config.module, "module")
+    assert (module.card.scale, config.data.scale) == (scale, scale)
+    optimizer = module.make_optimizer(module.parameter_groups())
+    assert sorted(group["lr"] for group in optimizer.param_groups) == [1e-4, 1e-3]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "changed",
+    [
+        "identities.start=5",
+        "identities.sex=female",
+        "rendering.samples_per_pixel=7",
+        "rendering.texture_size=64",
+        "rendering.max_depth=3",
+        "rendering/skin=jensen_skin1",
+        "lens=single",
+        "standpoint=scface_far",
+        "camera.supersampling=2",
+        "seed=1",
+    ],
+)
+def test_every_setting_of_the_renderings_counts(name: str, changed: str, tmp_path: Path) -> None:
+    if changed.startswith("camera"):
+        changed = f"+{changed}"
+    plain, other = (lessons(name, tmp_path, *words).about() for words in ([], [changed]))
+    assert plain["renderings"] != other["renderings"]
+
+
+def test_names_become_values(tmp_path: Path) -> None:
+    data = lessons("srcnn2x", tmp_path, "data.poses=[up]", "data.ipd_px=[8,11]", "data.views=8")
+    recipes = data.recipes(data.people, 1)
+    assert {recipe.scene.pose.pitch_deg for recipe in recipes} == {20.0}
+    assert {recipe.film.ipd_px for recipe in recipes} == {8.0, 11.0}
+
+
+def test_who_is_cast_is_who_is_learned(tmp_path: Path) -> None:
+    women = Population("female")
+    roster = Roster("train", 0, 4, women, RECIPE_VERSION, "dlib", 11.2, {3: 1})
+    path = write_roster(tmp_path / "roster.json", roster)
+    words = ["identities.sex=female", f"identities.roster={path}"]
+    data = lessons("srcnn2x", tmp_path, *words)
+    assert [person.draw for person in data.people] == [0, 0, 0, 1]
+    assert {p.population for p in [*data.people, *data.validation_people]} == {women}
+    with pytest.raises(InputError, match="covers train 0 to 3"):
+        lessons("srcnn2x", tmp_path, *words, "identities.count=5")
+
+
+@pytest.mark.parametrize(
+    ("word", "message"),
+    [
+        ("identities.split=test", "identities.split=test: wanted train, to learn from"),
+        ("data.validation_fraction=0", "data.validation_fraction=0.0: wanted a number > 0"),
+        ("data.poses=[lefft]", "pose=lefft: there is none; did you mean left"),
+        ("+data.ipd=3", "data: .*unexpected keyword argument 'ipd'"),
+    ],
+)
+def test_a_wrong_setting_is_one_line(word: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=message):
+        lessons("srcnn2x", tmp_path, word)
+
+
+def test_callbacks_loggers_and_trainer_are_built(tmp_path: Path) -> None:
+    config = composed("srcnn4x")
+    callbacks = build(config.callbacks, "callbacks").values()
+    assert [type(callback) for callback in callbacks] == [Progress]
+    logger = build(config.logger, "logger")["csv"](save_dir=str(tmp_path))
+    assert isinstance(logger, CSVLogger)
+    assert Path(logger.log_dir) == tmp_path / "csv" / "version_0"
+    trainer = build(config.trainer, "trainer").keywords
+    assert (trainer["max_epochs"], trainer["precision"]) == (40, "auto")
