@@ -26,6 +26,12 @@ def widest_f_number(surfaces: Sequence[Surface]) -> float:
     return focal_length_mm(surfaces) / (2 * radius)
 
 
+def _settled(surface: Surface) -> Surface:
+    """Return a surface whose lengths are floats, so that equal lenses have equal records."""
+    names = ("radius_mm", "thickness_mm", "semi_aperture_mm", "power_per_mm")
+    return replace(surface, **{name: float(getattr(surface, name)) for name in names})  # type: ignore[arg-type]  # floats all
+
+
 @dataclass(frozen=True)
 class Lens:
     """What stands before the film. Without surfaces and f-number: a pinhole.
@@ -54,7 +60,9 @@ class Lens:
                 not gather light or ends in glass, or one that does not open so far.
         """
         given: Iterable[Any] = self.surfaces  # Hydra hands over lists of mappings
-        surfaces = tuple(row if isinstance(row, Surface) else Surface(**row) for row in given)
+        surfaces = tuple(
+            _settled(row if isinstance(row, Surface) else Surface(**row)) for row in given
+        )
         object.__setattr__(self, "surfaces", surfaces)
         settle_numbers(self, "lens", "f_number", "focus_m")
         for name in ("f_number", "focus_m"):

@@ -56,7 +56,7 @@ def test_a_scene_is_recorded_in_plain_values_with_its_names() -> None:
         ({"scale": 3}, "scale=3: wanted one of"),
         ({"scale": 8}, "scale=8: wanted one of"),
         ({"scale": 2.0}, "scale=2.0: wanted a whole number"),
-        ({"scale": True}, "scale=True: wanted a whole number"),
+        ({"scale": True}, "scale=[Tt]rue: wanted a whole number"),
         ({"bands": -1}, "bands=-1: wanted 0"),
         ({"bands": 6}, "bands=6: wanted 0, or 7 to 350"),
         ({"bands": 351}, "bands=351: wanted 0"),
@@ -84,7 +84,7 @@ def test_a_film_in_range_is_made(scale: int, bands: int) -> None:
         ({"max_depth": 1}, r"rendering\.max_depth=1: wanted 2 to"),
         ({"texture_size": 63}, r"rendering\.texture_size=63: wanted 64 to 8192"),
         ({"texture_size": 8193}, r"rendering\.texture_size=8193: wanted 64 to 8192"),
-        ({"texture_size": None}, r"rendering\.texture_size=None: wanted a whole number"),
+        ({"texture_size": None}, r"rendering\.texture_size=(None|null): wanted a whole number"),
     ],
     ids=str,
 )
