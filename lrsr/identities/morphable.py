@@ -138,28 +138,16 @@ def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
 
 
 def _draw_face(who: Mapping[str, Any], attempt: int) -> tuple[Anatomy, RestingFace]:
-    names, masculinity, age = load_basis().names, who["masculinity"], who["age"]
-    rng = stream(who["seed"], "anatomy", attempt)
-    anatomy = mean_anatomy(
-        [
-            sample_anatomy(names, load_gauge(), rng, masculinity=masculinity, age=age)
-            for _ in range(draws_averaged(attempt))
-        ]
-    )
-    weights = coefficients(
-        names, anatomy, masculinity=masculinity, age=age, ancestry=who["ancestry"]
-    )
-    return anatomy, rest_face(weights)
+    names, rng = load_basis().names, stream(who["seed"], "anatomy", attempt)
+    traits = {trait: who[trait] for trait in ("masculinity", "age")}
+    draws = range(draws_averaged(attempt))
+    anatomy = mean_anatomy([sample_anatomy(names, load_gauge(), rng, **traits) for _ in draws])
+    return anatomy, rest_face(coefficients(names, anatomy, ancestry=who["ancestry"], **traits))
 
 
 def _draw_hair(who: Mapping[str, Any], attempt: int) -> dict[str, Any]:
-    return sample_hair(
-        stream(who["seed"], "hair", attempt),
-        who["masculinity"],
-        who["age"],
-        who["ancestry"],
-        colour=who["appearance"]["hair_colour"],
-    )
+    rng, colour = stream(who["seed"], "hair", attempt), who["appearance"]["hair_colour"]
+    return sample_hair(rng, who["masculinity"], who["age"], who["ancestry"], colour)
 
 
 @lru_cache(maxsize=4)
@@ -183,21 +171,18 @@ def position_map(texture_size: int) -> PositionMap:
 
 
 @lru_cache(maxsize=2)
-def _painter(texture_size: int) -> SkinPainter:
-    return SkinPainter(position_map(texture_size), template().skin)
-
-
-@lru_cache(maxsize=2)
-def _scalp(texture_size: int) -> Scalp:
-    return Scalp(position_map(texture_size).points)
+def _painters(texture_size: int) -> tuple[SkinPainter, Scalp]:
+    chart = position_map(texture_size)
+    return SkinPainter(chart, template().skin), Scalp(chart.points)
 
 
 def _paint_skin(parameters: Mapping[str, Any], texture_size: int) -> SkinMaps:
     """Paint the skin and, where hair stands, its roots."""
     seed, hair = parameters["seed"], parameters["hair"]
-    maps = _painter(texture_size).paint(parameters["appearance"], seed)
+    skin, scalp = _painters(texture_size)
+    maps = skin.paint(parameters["appearance"], seed)
     albedo = maps.albedo
-    roots = _scalp(texture_size).paint(hair, seed)[..., None]
+    roots = scalp.paint(hair, seed)[..., None]
     albedo += roots * (mean_colour(hair).astype(np.float32) - albedo)
     lining(texture_size).paint(albedo)
     return maps

@@ -66,10 +66,8 @@ def sample_iris(rng: Generator, *, european: float, eumelanin: float, age: float
     if rng.random() < light:
         colour = str(rng.choice(_LIGHT, p=(0.24, 0.18, 0.20, 0.38)))
     else:
-        dark = 0.15 + 0.5 * (1 - european)
-        colour = str(
-            rng.choice(("black", "dark brown", "brown"), p=(0.6 * dark, 0.5, 0.5 - 0.6 * dark))
-        )
+        black = 0.6 * (0.15 + 0.5 * (1 - european))
+        colour = str(rng.choice(("black", "dark brown", "brown"), p=(black, 0.5, 0.5 - black)))
     return {
         "colour": colour,
         "half_angle_rad": float(rng.uniform(0.345, 0.39)),

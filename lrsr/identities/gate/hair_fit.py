@@ -66,9 +66,7 @@ def _before(
     """Share of the hair's vertices before the eyes, and before nose and mouth."""
     x, y, z = hair[:, 0], hair[:, 1], hair[:, 2]
     front = (z > 0.0) & (y < _FACE_TOP_MM)
-    eyes = np.zeros(len(hair), bool)
-    for pupil in pupils:
-        eyes |= front & (np.abs(x - pupil[0]) < 13.0) & (y > -8.0)
+    eyes = front & (np.abs(x[:, None] - pupils[:, 0]) < 13.0).any(axis=1) & (y > -8.0)
     half = float(np.abs(corners[:, 0]).max())
     bottom = float(corners[:, 1].min()) - 15.0
     face = front & (np.abs(x) < half) & (y > bottom) & (y < -8.0)

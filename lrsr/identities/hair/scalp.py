@@ -94,9 +94,8 @@ class Scalp:
         grows = (polar < reach) & (radius < _skull_radius(azimuth, polar) + _EAR_CLEARANCE_MM)
         self._texels = np.flatnonzero(grows)
         self._polar = polar[grows]
-        column = np.rint((azimuth[grows] % 360.0) * (_FINE / 360.0)).astype(np.intp) % _FINE
-        self._column = column
-        self._stroke = np.rint(self._polar).astype(np.intp) * _FINE + column
+        self._column = np.rint(azimuth[grows] % 360.0 * (_FINE / 360.0)).astype(np.intp) % _FINE
+        self._stroke = np.rint(self._polar).astype(np.intp) * _FINE + self._column
 
     def paint(self, parameters: Mapping[str, Any], seed: int) -> NDArray[np.float32]:
         """Return how much of each texel the hair roots cover.

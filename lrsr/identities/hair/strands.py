@@ -87,10 +87,8 @@ def layout() -> Layout:
     row = start[:, None] + (end - start)[:, None] * along
     drift = rng.normal(0.0, 1.4, (RIBBONS, 1))
     column = np.clip(u[:, None] * (COLUMNS - 1) + drift * along, 0.0, COLUMNS - 1.001)
-    stubble = (
-        np.sqrt(rng.random((RIBBONS, 1))) * (last + 1.2)
-        + rng.uniform(0.5, 1.2, (RIBBONS, 1)) * along
-    )
+    stubble = np.sqrt(rng.random((RIBBONS, 1))) * (last + 1.2)
+    stubble = stubble + rng.uniform(0.5, 1.2, (RIBBONS, 1)) * along
     width = rng.uniform(0.2, 0.5, RIBBONS) * np.where(fine, 0.5, 1.0)
     half = width[:, None] * np.sin(np.pi * (0.14 + 0.8 * along)) ** 0.7
     rise = rng.beta(1.2, 2.4, (RIBBONS, 1)) * np.where(flyaway, 2.2, 1.0)[:, None]
@@ -120,7 +118,7 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
     sampled = sampled.reshape(RIBBONS, POINTS, 7)
     centre, outward, height = sampled[..., :3], sampled[..., 3:6], sampled[..., 6]
     tangent = _unit(np.gradient(centre, axis=1))
-    across = _unit(_cross(outward, tangent))
+    across = _unit(np.cross(outward, tangent))
     if stubble:
         along = np.linspace(0.0, 1.0, POINTS, dtype=np.float32)
         up = rng.uniform(0.3, 1.0, (RIBBONS, 1)).astype(np.float32) * along
@@ -131,7 +129,7 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
         centre = centre + outward * off[..., None]
         centre += across * aside[..., None]
     tilt = plan.twist[:, None, None]
-    half = np.cos(tilt) * across + np.sin(tilt) * _cross(tangent, across)
+    half = np.cos(tilt) * across + np.sin(tilt) * np.cross(tangent, across)
     half *= (_CURLY_WIDTH if curly else 1.0) * plan.half_width_mm[..., None]
     return np.stack([centre - half, centre + half], axis=2)
 
@@ -174,11 +172,8 @@ def strand_uv() -> _Singles:
     first = SHELL_COLUMNS + 1.0 + (RIBBON_COLUMNS - 2.0) * np.clip(shade, 0.0, 1.0)
     u = first / TEXTURE_SHAPE[1] + np.zeros((1, POINTS))
     v = np.clip(plan.row / (ROWS - 1.0), 0.0, 1.0)
-    step = np.array([-0.0002, 0.0002])
-    uv = np.stack(
-        [np.clip(u[..., None] + step, 0.0, 1.0), np.broadcast_to(v[..., None], (*v.shape, 2))],
-        axis=-1,
-    )
+    u = np.clip(u[..., None] + np.array([-0.0002, 0.0002]), 0.0, 1.0)
+    uv = np.stack([u, np.broadcast_to(v[..., None], u.shape)], axis=-1)
     return uv.reshape(-1, 2).astype(np.float32)
 
 
@@ -202,13 +197,6 @@ def _sampler(kind: str) -> Any:
     return sparse.csr_matrix(
         (values, (place, np.concatenate(corners))), shape=(len(column), COLUMNS * rows)
     )
-
-
-def _cross(a: _Singles, b: _Singles) -> _Singles:
-    result = np.empty_like(a)
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        result[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
-    return result
 
 
 def _unit(vectors: _Singles) -> _Singles:

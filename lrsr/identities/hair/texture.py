@@ -61,7 +61,8 @@ def hair_texture(parameters: Mapping[str, Any], seed: int) -> NDArray[np.float32
 
 def _bands(rng: np.random.Generator, width: float) -> NDArray[np.float64]:
     """Shades of unit deviation around the head, the same for the shell and the ribbons on it."""
-    shell = _unit(gaussian_filter1d(rng.normal(size=SHELL_COLUMNS), width, mode="wrap"))
+    shell = gaussian_filter1d(rng.normal(size=SHELL_COLUMNS), width, mode="wrap")
+    shell = shell / shell.std()
     return np.concatenate([shell, shell[:: SHELL_COLUMNS // RIBBON_COLUMNS]])
 
 
@@ -76,7 +77,3 @@ def _drift(rng: np.random.Generator, knots: int) -> NDArray[np.float32]:
     values /= values.std()
     step = values[first + 1] - values[first]
     return np.asarray(values[first] + share * step, dtype=np.float32)
-
-
-def _unit(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return values / max(float(values.std()), 1e-12)

@@ -65,6 +65,8 @@ _LOWER_LIP = (0.0, -84.0, 14.8)
 _POGONION = (0.0, -101.3, 8.3)
 _GLABELLA = (0.0, 19.5, 11.5)
 _VERTEX = (0.0, 115.0, -85.0)
+_LEFT_EAR = (-76.1, 23.4, -95.7), (-76.6, -51.8, -92.3)
+_RIGHT_EAR = (76.1, 23.4, -95.7), (76.6, -51.8, -92.3)
 
 MEASURES = (
     _across("width between cheekbones", 68.3, -19.2, -41.6, 5.0, "outline"),
@@ -88,12 +90,8 @@ MEASURES = (
     Measure("red of the lower lip", Y, _STOMION, _LOWER_LIP, 1.7),
     Measure("height of the chin", Y, _STOMION, _GNATHION, 3.2, "outline"),
     Measure("height of the skull", Y, _VERTEX, _NASION, 6.0, "outline"),
-    Measure(
-        "height of the left ear", Y, (-76.1, 23.4, -95.7), (-76.6, -51.8, -92.3), 4.0, "outline"
-    ),
-    Measure(
-        "height of the right ear", Y, (76.1, 23.4, -95.7), (76.6, -51.8, -92.3), 4.0, "outline"
-    ),
+    Measure("height of the left ear", Y, *_LEFT_EAR, 4.0, "outline"),
+    Measure("height of the right ear", Y, *_RIGHT_EAR, 4.0, "outline"),
     Measure("protrusion of the nose", Z, _NOSE_TIP, _SUBNASALE, 1.9, "outline"),
     Measure("depth of the bridge", Z, _NOSE_TIP, _NASION, 2.4, "outline"),
     Measure("protrusion of the brow", Z, _GLABELLA, _NASION, 1.3, "outline"),

@@ -55,7 +55,7 @@ def _new_quads(quads: Quads, side_edges: Quads, n_vertices: int, n_edges: int) -
     return np.stack([quads, after, centres, before], axis=-1).reshape(-1, 4)
 
 
-def split_linearly(quads: Quads, n_vertices: int) -> _Subdivision:
+def _split_linearly(quads: Quads, n_vertices: int) -> _Subdivision:
     """Split every quad in four without moving anything: the rule for texture coordinates.
 
     Args:
@@ -84,7 +84,7 @@ def split_smoothly(quads: Quads, n_vertices: int) -> _Subdivision:
     Returns:
         Moved old vertices, then edge points, then face points.
     """
-    linear = split_linearly(quads, n_vertices)
+    linear = _split_linearly(quads, n_vertices)
     edges, side_edges, counts = _edges(quads)
     middle, centre = linear.matrix[n_vertices : -len(quads)], linear.matrix[-len(quads) :]
     border = counts == 1
@@ -130,7 +130,7 @@ def subdivide(quads: Quads, n_vertices: int, rounds: int, *, smooth: bool) -> _S
     Returns:
         The product matrix ``(V_new, n_vertices)`` and the final quads ``(F 4^rounds, 4)``.
     """
-    split = split_smoothly if smooth else split_linearly
+    split = split_smoothly if smooth else _split_linearly
     total = _Subdivision(sparse.identity(n_vertices, format="csr"), quads)
     for _ in range(rounds):
         step = split(total.quads, total.matrix.shape[0])

@@ -178,10 +178,10 @@ def lay_out(
     for index, name in enumerate(REGIONS):
         quads = topology.uv_quads[topology.region == index]
         used = np.unique(quads)
-        flat = base.uv[:, ::-1].copy() if name == "head" else base.uv * [1.0, -1.0]
+        flat = base.uv * [1.0, -1.0]
         if name == "head":
             edges = np.unique(np.sort(sides(quads), axis=1), axis=0)
-            flat = np.stack([_equalise(flat[:, k], edges, points) for k in (0, 1)], axis=1)
+            flat = np.stack([_equalise(base.uv[:, k], edges, points) for k in (1, 0)], axis=1)
         low, high = flat[used].min(axis=0), flat[used].max(axis=0)
         left, top, right, bottom = TILES[name]
         margin = 0.004

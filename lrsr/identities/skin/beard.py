@@ -214,21 +214,16 @@ def draw_beard(beard: Beard, rng: Generator) -> NDArray[np.uint8]:
     if beard["kind"] == "none":
         return sheet
     if beard["kind"] == "stubble":
-        return _draw_stubble(beard, rng, sheet)
+        # Bristles seen end on: dots of their size, from noise, which costs less than thousands.
+        noise = cv2.GaussianBlur(rng.integers(0, 256, sheet.shape, dtype=np.uint8), (3, 3), 0.75)
+        dots = cv2.subtract(noise, 146 - 26 * beard["density"])
+        return np.asarray(cv2.convertScaleAbs(dots, alpha=3.6), dtype=np.uint8)
     JAW.draw_strands(sheet, beard_strands(beard, rng), _HAIR_LEVELS)
     # What lies between the hairs: their shadow and those below, patchy as locks are.
     ground = cv2.GaussianBlur(sheet, (0, 0), 0.8 / JAW.pixel_mm)
     body = min(1.7, 0.6 + 0.3 * beard["length_mm"] * beard["density"])
     ground = cv2.min(cv2.convertScaleAbs(ground, alpha=body), _GROUND_LEVEL)
     return np.asarray(cv2.max(sheet, ground), dtype=np.uint8)
-
-
-def _draw_stubble(beard: Beard, rng: Generator, sheet: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Bristles seen end on: dots of their size, from noise, which costs less than thousands."""
-    noise = rng.integers(0, 256, sheet.shape, dtype=np.uint8)
-    noise = cv2.GaussianBlur(noise, (3, 3), 0.75)
-    low = 146 - 26 * beard["density"]
-    return np.asarray(cv2.convertScaleAbs(cv2.subtract(noise, low), alpha=3.6), dtype=np.uint8)
 
 
 def feather(opacity: FloatMap, mask: FloatMap) -> FloatMap:

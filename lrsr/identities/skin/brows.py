@@ -127,9 +127,8 @@ def brow_strands(brows: Brows, rng: Generator) -> FloatArray:
     Returns:
         ``(N, 4, 2)``, mm; N = 420 x density x thickness / 4.2 mm.
     """
-    count = max(
-        20, round(_STRANDS * brows["density"] * brows["thickness_mm"] / _REFERENCE_THICKNESS_MM)
-    )
+    usual = _STRANDS * brows["density"] * brows["thickness_mm"] / _REFERENCE_THICKNESS_MM
+    count = max(20, round(usual))
     along = rng.beta(1.15, 1.2, count)
     # The first hairs stand singly before the others, and tails thin out.
     along -= np.clip(rng.exponential(0.03, count), 0, 0.09) * np.clip(1 - along / 0.2, 0, 1)
@@ -145,9 +144,8 @@ def brow_strands(brows: Brows, rng: Generator) -> FloatArray:
     direction = np.arctan2(ahead[:, 1], ahead[:, 0])
     upright = np.clip(1 - along / 0.30, 0, 1) ** 0.8
     lean = -0.70 * across / 0.6 + rng.normal(0.0, 0.18, count)
-    start = (
-        direction + upright * (1.25 + rng.normal(0.0, 0.15, count)) + (1 - upright) * (0.30 + lean)
-    )
+    stand = 1.25 + rng.normal(0.0, 0.15, count)
+    start = direction + upright * stand + (1 - upright) * (0.30 + lean)
     end = direction + upright * 0.75 + (1 - upright) * (0.5 * lean - 0.05)
     limit = np.clip(0.45 * thickness / brows["thickness_mm"] + 0.55, 0.5, 1.0)
     length = brows["strand_mm"] * rng.uniform(0.55, 1.1, count) * limit

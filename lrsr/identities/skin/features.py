@@ -109,9 +109,8 @@ class FeaturePainter:
             _cover(albedo, _WHITE_BROW, self._brow_opacity(hairs[:white]))
 
     def _brow_opacity(self, hairs: NDArray[Any]) -> FloatMap:
-        canvas = eyebrows.CANVAS
-        sheet = self._soften(eyebrows.cover_brows(hairs), canvas.pixel_mm)
-        opacity = canvas.sample(sheet, self._brow_pixels).astype(np.float32)
+        sheet = self._soften(eyebrows.cover_brows(hairs), eyebrows.CANVAS.pixel_mm)
+        opacity = eyebrows.CANVAS.sample(sheet, self._brow_pixels).astype(np.float32)
         opacity *= self._front / np.float32(255)
         return opacity
 

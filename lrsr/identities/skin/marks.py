@@ -88,12 +88,10 @@ def draw_capillaries(marks: Marks, canvas: Canvas) -> NDArray[np.uint8]:
     x = np.where(beside, rng.normal(14.0, 3.0, count), rng.normal(36.0, 9.0, count))
     y = np.where(beside, rng.normal(-42.0, 5.0, count), rng.normal(-34.0, 9.0, count))
     starts = np.stack([x * rng.choice((-1.0, 1.0), count), y], axis=-1)
-    heading = rng.uniform(0, 2 * np.pi, (count, 1)) + np.cumsum(
-        rng.normal(0.0, 0.5, (count, 10)), axis=1
-    )
-    steps = rng.uniform(0.3, 0.9, (count, 1, 1)) * np.stack(
-        [np.cos(heading), np.sin(heading)], axis=-1
-    )
+    heading = rng.uniform(0, 2 * np.pi, (count, 1))
+    heading = heading + np.cumsum(rng.normal(0.0, 0.5, (count, 10)), axis=1)
+    length_mm = rng.uniform(0.3, 0.9, (count, 1, 1))
+    steps = length_mm * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     paths = starts[:, None] + np.cumsum(steps, axis=1)
     canvas.draw_strands(sheet, paths, rng.integers(90, 255, 6))
     return np.asarray(cv2.GaussianBlur(sheet, (0, 0), 0.7), dtype=np.uint8)

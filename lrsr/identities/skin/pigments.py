@@ -38,8 +38,7 @@ class PigmentPainter:
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
-        self._regions = regions.blood_regions(layout.coarse)
-        self._shades = _shades(layout.coarse)
+        self._regions = regions.pigment_regions(layout.coarse)
         self._noise_pixels = _noise_pixels(layout.coarse)
         self._lips = Patches(layout.lips)
         waterline = np.zeros(layout.shape, dtype=np.float32)
@@ -103,7 +102,7 @@ class PigmentPainter:
         melanin += np.float32(skin["tan"] * contrast) * self._regions["forehead"]
         shown = contrast**0.5  # what has no edges may differ more
         for place in ("perioral", "orbits", "sides"):
-            melanin += np.float32(skin[place] * shown) * self._shades[place]
+            melanin += np.float32(skin[place] * shown) * self._regions[place]
         melanin += np.float32(np.log(skin["melanin"]))
         flush = np.zeros_like(blood)
         for name in ("cheeks", "nose", "ears", "lids", "chin", "forehead"):
@@ -111,7 +110,7 @@ class PigmentPainter:
         flush *= 1 + np.float32(3.0) * noise[..., 1]  # blood's own mottling breaks a flush up
         blood += flush
         blood += np.float32(0.9) * circles
-        blood += np.float32(0.5 * skin["orbits"]) * self._shades["orbits"]
+        blood += np.float32(0.5 * skin["orbits"]) * self._regions["orbits"]
         blood += np.float32(np.log(skin["blood"]))
         return melanin, blood
 
@@ -152,15 +151,6 @@ def melanin_contrast(melanin: float) -> float:
         (1.0, 0.29)
     """
     return float(min(1.0, (_EVEN_MELANIN / melanin) ** 0.6))
-
-
-def _shades(position: FloatMap) -> dict[str, FloatMap]:
-    """Where skin is darker or lighter than the rest of the face, in people of every tone."""
-    return {
-        "perioral": regions.blob(position, (13.0, -75.0, 5.0), (15.0, 13.0, 30.0)),
-        "orbits": regions.blob(position, (31.0, 1.0, -3.0), (15.0, 10.0, 25.0)),
-        "sides": regions.blob(position, (64.0, -15.0, -40.0), (17.0, 55.0, 40.0)),
-    }
 
 
 def _noise_pixels(position: FloatMap) -> FloatMap:

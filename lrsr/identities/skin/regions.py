@@ -126,14 +126,15 @@ def lid_margin(pixels: FloatMap, width_mm: float, *, upper: bool = False) -> Flo
     return np.asarray(FACE.sample(sheet, pixels) / np.float32(255), dtype=np.float32)
 
 
-def blood_regions(position: NDArray[Any]) -> dict[str, FloatMap]:
-    """Where skin may be redder or bluer than the average.
+def pigment_regions(position: NDArray[Any]) -> dict[str, FloatMap]:
+    """Where skin may be redder or bluer, darker or lighter than the average, whatever its tone.
 
     Args:
         position: ``(H, W, 3)``, template points, mm.
 
     Returns:
-        Name to ``(H, W)`` float32, [0, 1]: cheeks, nose, ears, lids, chin, forehead, circles.
+        Name to ``(H, W)`` float32, [0, 1]: cheeks, nose, ears, lids, chin, forehead, circles,
+        perioral, orbits and sides.
     """
     return {
         "cheeks": _cheeks(position),
@@ -145,6 +146,9 @@ def blood_regions(position: NDArray[Any]) -> dict[str, FloatMap]:
         "forehead": blob(position, (0.0, 52.0, 10.0), (38.0, 18.0, 40.0)),
         "circles": blob(position, (26.0, -11.5, -3.0), (10.5, 4.5, 15.0))
         + np.float32(0.6) * blob(position, (17.5, -1.0, -3.0), (4.0, 7.0, 15.0)),
+        "perioral": blob(position, (13.0, -75.0, 5.0), (15.0, 13.0, 30.0)),
+        "orbits": blob(position, (31.0, 1.0, -3.0), (15.0, 10.0, 25.0)),
+        "sides": blob(position, (64.0, -15.0, -40.0), (17.0, 55.0, 40.0)),
     }
 
 

@@ -81,7 +81,7 @@ def test_a_blob_is_one_at_its_centre_and_mirrored() -> None:
     ],
 )
 def test_each_region_is_strongest_in_its_place(name: str, point: tuple[int, int, int]) -> None:
-    masks = regions.blood_regions(np.array([[point]], dtype=np.float32))
+    masks = regions.pigment_regions(np.array([[point]], dtype=np.float32))
     assert masks[name][0, 0] > 0.6
     assert max(mask.max() for key, mask in masks.items() if key != name) < masks[name][0, 0]
 
