@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from lrsr.data.png import write_png
+from lrsr.pictures.image_files import write_png
 
 from lrsr.cli import main
 from lrsr.paths import config_folder

@@ -21,7 +21,7 @@ def maker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> TwinMaker:
     """Run from an empty folder, with a cache of its own, and paint in place of Mitsuba."""
     painted = TwinMaker()
     monkeypatch.setenv("LRSR_CACHE", str(tmp_path / "cache"))
-    for module in ("lrsr.experiments.people", "lrsr.data.render"):
+    for module in ("lrsr.experiments.people", "lrsr.pictures.to_folder"):
         monkeypatch.setattr(f"{module}.mitsuba_maker", lambda: painted)
     (tmp_path / "empty").mkdir()
     monkeypatch.chdir(tmp_path / "empty")
