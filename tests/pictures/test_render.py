@@ -174,7 +174,7 @@ from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.render import render_missing
 
 recipes = [recipe(i, scale=s, ipd_px=16) for i in range(20) for s in (1, 4)]
-for seconds in sys.argv[2:]:
+for number, seconds in enumerate(sys.argv[2:], 1):
     child = os.fork()
     if child == 0:
         render_missing(recipes, RenderCache(Path(sys.argv[1])), maker=FakeMaker(0.03))
@@ -182,17 +182,22 @@ for seconds in sys.argv[2:]:
     time.sleep(float(seconds))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
-    entries = Path(sys.argv[1]).rglob("*.safetensors")
+    entries = [*Path(sys.argv[1]).rglob("*.safetensors")]
     print(*sorted(f"{path.name}@{path.stat().st_ino}" for path in entries), flush=True)
+    if number >= 6 and entries:
+        break
 """
 
 
 def test_killed_at_random_moments_it_goes_on_with_nothing_lost_doubled_or_half_written(
     tmp_path: Path, maker: FakeMaker
 ) -> None:
-    """kill -9, six times; every finished entry stays, and the end is that of a quiet run."""
+    """kill -9, six times; every finished entry stays, and the end is that of a quiet run.
+
+    On a machine so busy that nothing was finished by then, more times and later.
+    """
     folder, quiet = tmp_path / "killed", tmp_path / "quiet"
-    moments = [f"{random.Random(i).uniform(0.03, 0.2):.3f}" for i in range(6)]
+    moments = [f"{(1 + i // 6) * random.Random(i).uniform(0.03, 0.2):.3f}" for i in range(60)]
     killed = subprocess.run(
         [sys.executable, "-c", KILLED, str(folder), *moments],
         capture_output=True,
@@ -201,7 +206,7 @@ def test_killed_at_random_moments_it_goes_on_with_nothing_lost_doubled_or_half_w
         cwd=Path(__file__).parents[1],
     )
     after_each = [set(line.split()) for line in killed.stdout.splitlines()]
-    assert len(after_each) == 6
+    assert len(after_each) >= 6
     for earlier, later in pairwise(after_each):
         assert earlier <= later, "a finished entry was lost or written again"
     assert 0 < len(after_each[-1]) < 40
