@@ -6,6 +6,7 @@ and enlarged again as alignment does it.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import torch
@@ -18,6 +19,8 @@ from lrsr.recognition.alignment import CROP_PX, TEMPLATE_PX, warp
 
 TEMPLATE_IPD_PX = float(np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0]))
 """Distance of the eyes in the aligned face: 35.24 px."""
+
+_crop = partial(warp, size_px=CROP_PX, antialias=False, outside="border")
 
 
 @dataclass(frozen=True)
@@ -71,13 +74,7 @@ class Degradation:
         if len(kept):
             rows = torch.from_numpy(kept)
             jitter = self._jitter(len(kept), rng)
-            result[rows] = warp(
-                self._expose(faces[rows], rng),
-                jitter,
-                size_px=CROP_PX,
-                antialias=False,
-                outside="border",
-            )
+            result[rows] = _crop(self._expose(faces[rows], rng), jitter)
         chosen = np.flatnonzero(smaller)
         for start in range(0, len(chosen), self.group):
             rows = torch.from_numpy(chosen[start : start + self.group])
@@ -93,7 +90,7 @@ class Degradation:
         factor = CROP_PX / side
         phase = np.tile(np.eye(2, 3), (len(faces), 1, 1))  # where the pixel grid meets the face
         phase[:, :, 2] = rng.uniform(-0.5, 0.5, (len(faces), 2)) * factor
-        shifted = warp(faces, phase, size_px=CROP_PX, antialias=False, outside="border")
+        shifted = _crop(faces, phase)
         small = F.interpolate(shifted, size=(side, side), mode="bilinear", antialias=True)
         small = self._expose(small, rng)
         if rng.random() < self.jpeg_share:
@@ -105,13 +102,7 @@ class Degradation:
         back[:, 0, 0] = back[:, 1, 1] = factor
         back[:, :2, 2] = (factor - 1) / 2 - phase[:, :, 2]
         back[:, 2, 2] = 1
-        return warp(
-            small,
-            self._jitter(len(faces), rng) @ back,
-            size_px=CROP_PX,
-            antialias=False,
-            outside="border",
-        )
+        return _crop(small, self._jitter(len(faces), rng) @ back)
 
     def _expose(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
         """Change brightness, colour and contrast, add noise, round to 8 bits."""

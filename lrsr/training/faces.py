@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.camera import Camera
-from lrsr.configuration import require
+from lrsr.configuration import as_number, require
 from lrsr.identities.person import Person
 from lrsr.images import resize_bicubic, scale_points
 from lrsr.pictures.picture import Picture, stack
@@ -80,7 +80,7 @@ class Faces(Rendered):
             value = getattr(self, name)
             require(value >= count, f"data.{name}", value, f"at least {count}")
         for name in ("sharp_ipd_px", "small_ipd_px"):
-            ipds = [float(ipd) for ipd in getattr(self, name)]
+            ipds = [as_number(ipd, f"data.{name}") for ipd in getattr(self, name)]
             holds = len(ipds) == 2 and 0 < ipds[0] <= ipds[1]
             require(holds, f"data.{name}", ipds, "0 < lowest <= highest")
         require(len(self.people) >= 2, "identities.count", len(self.people), "at least 2")

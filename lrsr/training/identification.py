@@ -9,6 +9,7 @@ import torch
 import torch.nn.functional as F
 from numpy.typing import NDArray
 
+from lrsr.configuration import as_number
 from lrsr.errors import InputError
 from lrsr.evaluation.delong import estimate_auc
 from lrsr.files import write_text
@@ -62,9 +63,9 @@ class Identification(Learner):
         seed: int = 0,
     ) -> None:
         super().__init__(optimizer, scheduler)
-        if not scale > 0:
+        if not as_number(scale, "module.scale") > 0:
             raise InputError(f"module.scale={scale}: wanted a number > 0")
-        if not 0 <= margin < np.pi / 2:
+        if not 0 <= as_number(margin, "module.margin") < np.pi / 2:
             raise InputError(f"module.margin={margin}: wanted 0 to 1.57")
         self.people, self.antialias, self.seed = people, antialias, seed
         with torch.random.fork_rng(devices=[]):

@@ -19,6 +19,10 @@ _GROUPS = {
     "gallery_lighting": "lighting",
     "probe_lighting": "lighting",
 }
+_LISTS = {
+    *("poses", "lightings", "expressions", "ipd_px", "validation_ipd_px"),
+    *("compressions", "enlargements"),
+}
 
 
 def read_lessons(config: "DictConfig", cache: RenderCache) -> Rendered:
@@ -61,7 +65,9 @@ def _built(node: Mapping[str, Any], name: str, **more: Any) -> Any:
 
 
 def _value(key: str, given: Any) -> Any:
+    if key in _LISTS:
+        listed = given if isinstance(given, list) else [given]
+        return [value_of(_GROUPS[key], one) for one in listed] if key in _GROUPS else listed
     if key in _GROUPS:
-        many = isinstance(given, list)
-        return [_value(key, one) for one in given] if many else value_of(_GROUPS[key], given)
+        return value_of(_GROUPS[key], given)
     return _built(given, f"data.{key}") if isinstance(given, Mapping) else given

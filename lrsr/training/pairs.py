@@ -16,7 +16,7 @@ import torch
 from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.camera import Camera
-from lrsr.configuration import require
+from lrsr.configuration import as_number, require
 from lrsr.identities.person import Person
 from lrsr.pictures.picture import stack
 from lrsr.pictures.recipe import Recipe, derived_seed
@@ -68,7 +68,8 @@ class Pairs(Rendered):
             Scene(lighting, pose, self.lens, self.standpoint)
             for pose, lighting in product(self.poses, self.lightings)
         ]
-        self.conditions = list(product(scenes, map(float, self.ipd_px)))
+        self.ipd_px = [as_number(ipd, "data.ipd_px") for ipd in self.ipd_px]
+        self.conditions = list(product(scenes, self.ipd_px))
         self.steps = [(int(lr), int(hr)) for lr, hr in self.films or [(1, self.scale)]]
         self.cameras = [self.camera.compressing(name) for name in self.compressions]
         self.clean = self.camera.clean()

@@ -3,12 +3,13 @@
 import hashlib
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 from lightning.pytorch import LightningDataModule
 
 from lrsr.camera import Camera
+from lrsr.configuration import as_whole
 from lrsr.errors import InputError
 from lrsr.identities.person import Person
 from lrsr.pictures.cache import RenderCache
@@ -39,7 +40,7 @@ class Rendered(LightningDataModule):
         progress: Show a bar while rendering.
 
     Raises:
-        InputError: Somebody is in both, or there is nobody to learn from.
+        InputError: Somebody is in both, there is nobody to learn from, or a number is none.
     """
 
     people: Sequence[Person]
@@ -56,6 +57,9 @@ class Rendered(LightningDataModule):
 
     def __post_init__(self) -> None:
         super().__init__()
+        for one in fields(self):
+            if one.type is int:
+                setattr(self, one.name, as_whole(getattr(self, one.name), f"data.{one.name}"))
         if not self.people:
             raise InputError("identities.count=0: wanted somebody to learn from")
         known = {person.id for person in self.people}

@@ -10,6 +10,7 @@ import numpy as np
 import torch
 from torch.nn import functional as F
 
+from lrsr.configuration import as_number, as_whole
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.evaluation.quality import psnr_y
 from lrsr.pictures.recipe import derived_seed
@@ -80,7 +81,7 @@ class Restoration(Learner):
         self.card = Card(
             architecture=architecture,
             arguments=dict(arguments),
-            scale=scale,
+            scale=as_whole(scale, "module.scale"),
             input=network.input,
             lr_made_by=lr_made_by,
             enlarged_by=ENLARGED_BY if network.input == "luminance" else "",
@@ -103,7 +104,7 @@ class Restoration(Learner):
 
     def parameter_groups(self) -> list[dict[str, Any]]:
         """Return a group for each part that learns more slowly, and one for the rest."""
-        rate = self.make_optimizer.keywords["lr"]
+        rate = as_number(self.make_optimizer.keywords.get("lr"), "module.optimizer.lr")
         groups = [
             {"params": [*getattr(self.network, part).parameters()], "lr": rate * share}
             for part, share in self.slower.items()

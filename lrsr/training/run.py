@@ -14,6 +14,7 @@ from typing import Any
 
 from lightning.pytorch import Callback, LightningDataModule, Trainer
 from lightning.pytorch.loggers import Logger
+from lightning.pytorch.utilities.exceptions import MisconfigurationException
 
 from lrsr.errors import InputError
 from lrsr.files import write_json
@@ -97,22 +98,29 @@ def _build_trainer(
     callbacks: Sequence[Callback],
     loggers: Sequence[Callable[..., Logger]],
 ) -> Trainer:
-    """Make the Trainer that writes into ``folder``."""
+    """Make the Trainer that writes into ``folder``.
+
+    Raises:
+        InputError: Lightning refuses a setting.
+    """
     given: Mapping[str, Any] = getattr(make, "keywords", {})
     precision = given.get("precision", "auto")
     if precision == "auto":
         precision, why = choose_precision(given.get("accelerator", "auto"))
         log.info("training in %s", why)
-    return make(
-        precision=precision,
-        callbacks=list(callbacks),
-        logger=[logger(save_dir=str(folder)) for logger in loggers],
-        default_root_dir=str(folder),
-        plugins=[WholeFileIO()],
-        enable_progress_bar=False,
-        enable_model_summary=False,
-        num_sanity_val_steps=0,
-    )
+    try:
+        return make(
+            precision=precision,
+            callbacks=list(callbacks),
+            logger=[logger(save_dir=str(folder)) for logger in loggers],
+            default_root_dir=str(folder),
+            plugins=[WholeFileIO()],
+            enable_progress_bar=False,
+            enable_model_summary=False,
+            num_sanity_val_steps=0,
+        )
+    except (MisconfigurationException, TypeError, ValueError) as error:
+        raise InputError(f"trainer: {' '.join(str(error).split())}") from error
 
 
 def _fit(runner: Trainer, module: Learner, data: LightningDataModule, last: Path | None) -> None:

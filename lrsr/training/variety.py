@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lrsr.configuration import require
+from lrsr.configuration import as_number, require
 from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light
@@ -41,9 +41,10 @@ class Variety:
 
     def __post_init__(self) -> None:
         for name in ("named_share", "expression_share"):
-            require(0 <= getattr(self, name) <= 1, f"data.{name}", getattr(self, name), "0 to 1")
+            share = as_number(getattr(self, name), f"data.variety.{name}")
+            require(0 <= share <= 1, f"data.variety.{name}", share, "0 to 1")
         for name in ("poses", "lightings", "expressions"):
-            require(len(getattr(self, name)) > 0, f"data.{name}", [], "at least one")
+            require(len(getattr(self, name)) > 0, f"data.variety.{name}", [], "at least one")
 
     def pose(self, rng: np.random.Generator) -> Pose:
         """Draw a named pose, or yaw within ±35°, pitch within ±20° and roll within ±5°, uniform."""

@@ -55,7 +55,7 @@ def test_srcnn_is_trained_as_in_the_paper(name: str, epochs: int, scale: int) ->
     assert sorted(group["lr"] for group in optimizer.param_groups) == [1e-4, 1e-3]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["srcnn2x", "arcface"], ids=["pairs", "faces"])
 @pytest.mark.parametrize(
     "changed",
     [
@@ -85,6 +85,14 @@ def test_names_become_values(tmp_path: Path) -> None:
     assert {recipe.film.ipd_px for recipe in recipes} == {8.0, 11.0}
 
 
+def test_one_value_is_a_list_of_one(tmp_path: Path) -> None:
+    words = ["data.poses=left", "data.lightings=above", "data.ipd_px=9", "data.views=1"]
+    data = lessons("srcnn2x", tmp_path, *words, "data.compressions=heavy")
+    ((scene, ipd_px),) = data.conditions
+    assert (scene.pose.name, scene.lighting.name, ipd_px) == ("left", "above", 9.0)
+    assert [camera.compression for camera in data.cameras] == ["heavy"]
+
+
 def test_who_is_cast_is_who_is_learned(tmp_path: Path) -> None:
     women = Population("female")
     roster = Roster("train", 0, 4, women, RECIPE_VERSION, "dlib", 11.2, {3: 1})
@@ -100,6 +108,8 @@ def test_who_is_cast_is_who_is_learned(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("word", "message"),
     [
+        ("data.views=many", "data.views=many: wanted a whole number"),
+        ("data.ipd_px=wide", "data.ipd_px=wide: wanted a number"),
         ("identities.split=test", "identities.split=test: wanted train, to learn from"),
         ("data.validation_fraction=0", "data.validation_fraction=0.0: wanted a number > 0"),
         ("data.poses=[lefft]", "pose=lefft: there is none; did you mean left"),

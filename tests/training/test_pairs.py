@@ -238,7 +238,7 @@ def test_lightning_trains_on_it(cache: RenderCache, maker: FakeMaker, tmp_path: 
         ({"views": 0}, "data.views=0: wanted 1 to 1"),
         ({"films": [[1, 4]]}, r"data.films=\[\(1, 4\)\]: wanted films that differ by the factor 2"),
         ({"compressions": []}, r"data.compressions=\[\]: wanted at least one"),
-        ({"compressions": ["much"]}, "compression 'much'"),
+        ({"compressions": ["much"]}, "compression=much: wanted one of none"),
         ({"ipd_px": []}, r"data.poses, lightings, ipd_px=\[\]: wanted at least one"),
         ({"batch_size": 0}, "data.batch_size=0: wanted a number >= 1"),
     ],

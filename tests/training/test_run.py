@@ -330,6 +330,17 @@ def test_run_without_validation_images_is_refused(pairs: SyntheticPairs, tmp_pat
         train(make_srcnn(), pairs, folder=tmp_path, trainer=trainer, depends_on={})
 
 
+def test_a_setting_that_lightning_refuses_is_told(pairs: SyntheticPairs, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"trainer: .*max_epochs"):
+        train(
+            make_srcnn(),
+            pairs,
+            folder=tmp_path,
+            trainer=partial(quiet, max_epochs=-3),
+            depends_on={},
+        )
+
+
 def test_interrupted_run_reaches_the_caller_as_an_interrupt(
     pairs: SyntheticPairs, tmp_path: Path
 ) -> None:

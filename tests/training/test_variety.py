@@ -62,9 +62,9 @@ def test_a_share_of_the_faces_acts() -> None:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"expression_share": 1.5}, "data.expression_share=1.5: wanted 0 to 1"),
-        ({"named_share": -1}, "data.named_share=-1: wanted 0 to 1"),
-        ({"poses": []}, r"data.poses=\[\]: wanted at least one"),
+        ({"expression_share": 1.5}, "data.variety.expression_share=1.5: wanted 0 to 1"),
+        ({"named_share": -1}, "data.variety.named_share=-1 wanted 0 to 1"),
+        ({"poses": []}, r"data.variety.poses=\[\]: wanted at least one"),
     ],
     ids=str,
 )
