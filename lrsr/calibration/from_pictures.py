@@ -13,11 +13,12 @@ from tqdm import tqdm
 from lrsr.calibration.compression import CompressionEstimate, estimate_compression
 from lrsr.calibration.fit import expected_trials, fit_camera
 from lrsr.calibration.objective import LEAST_IMAGES
-from lrsr.calibration.parameters import camera_of, starting_from, with_jpeg, with_values
+from lrsr.calibration.parameters import starting_from, with_jpeg, with_values
 from lrsr.calibration.picture_statistics import crop
-from lrsr.calibration.real_pictures import RealPictures, read_real_pictures
+from lrsr.calibration.real_pictures import read_real_pictures
 from lrsr.calibration.report import Finding, write_finding
 from lrsr.calibration.strangers import render_strangers
+from lrsr.camera.preset_file import build_camera
 from lrsr.configuration import require
 from lrsr.errors import InputError
 from lrsr.files import write_text
@@ -94,12 +95,14 @@ def fit_to_folder(
     real = read_real_pictures(settings.images, LEAST_IMAGES)
     crop(real.srgb, settings.part)  # refuses too small a part
     guess = starting_from(settings.preset)  # refuses a preset that cannot be fitted
-    stored = _compression(real)
-    preset = _stored_like(settings.preset, stored)
+    stored = CompressionEstimate(*real.jpeg, ((0, 0),)) if real.jpeg else None  # as the files say
+    stored = stored or estimate_compression(real.srgb)
+    quality, chroma = (stored.quality, stored.chroma) if stored else (None, "4:2:0")
+    preset = with_jpeg(settings.preset, quality, chroma, (0, 0))
     strangers = render_strangers(
         settings.strangers,
         settings.ipd_px or max(4.0, real.size_px[1] / FRAME_IPDS),
-        camera_of(preset).supersampling,
+        build_camera(preset).supersampling,
         cache=cache,
         maker=maker,
         progress=progress,
@@ -124,8 +127,8 @@ def fit_to_folder(
     finding = Finding(fit, real, fitted, str(began.get("name")), tuple(origins_px))
     shown = {
         "Real": real.srgb,
-        "Before": strangers.photographed(camera_of(began)),
-        "After": strangers.photographed(camera_of(fitted)),
+        "Before": strangers.photographed(build_camera(began)),
+        "After": strangers.photographed(build_camera(fitted)),
     }
     page = write_finding(folder, finding, shown, settings.strangers.seed)
     if finding.refusal is not None:
@@ -149,16 +152,3 @@ def preset_text(finding: Finding) -> str:
         doubt = "" if one.known else ", mostly the guess: the pictures do not show it"
         lines.append(f"# {name} {one.value:.4g}, standard error {one.error:.2g}{doubt}")
     return "\n".join([*lines, OmegaConf.to_yaml(OmegaConf.create(dict(finding.preset)))])
-
-
-def _compression(real: RealPictures) -> CompressionEstimate | None:
-    """Return the compression that the files, else the pixels, show."""
-    if real.jpeg is not None:
-        return CompressionEstimate(*real.jpeg, ((0, 0),))
-    return estimate_compression(real.srgb)
-
-
-def _stored_like(preset: Mapping[str, Any], stored: CompressionEstimate | None) -> dict[str, Any]:
-    if stored is None:
-        return with_jpeg(preset, None, "4:2:0", (0, 0))
-    return with_jpeg(preset, stored.quality, stored.chroma, stored.origins_px[0])

@@ -13,6 +13,7 @@ from lrsr.camera.camera import Camera
 from lrsr.camera.checks import check_setting
 from lrsr.camera.colour import Colour
 from lrsr.camera.optics import Optics
+from lrsr.camera.preset_file import build_camera
 from lrsr.errors import InputError
 
 
@@ -114,7 +115,7 @@ def starting_from(preset: Mapping[str, Any]) -> tuple[Parameter, ...]:
             is none of its settings.
     """
     _check_stages(preset)
-    camera = camera_of(preset)
+    camera = build_camera(dict(preset))
     optics, colour, sensor, processing = (getattr(camera, name) for name in _NEEDED)
     if not isinstance(colour, Colour):
         raise InputError(
@@ -171,20 +172,6 @@ def with_jpeg(
         target = "lrsr.camera.codec.Jpeg"
         changed["stored"] = {"_target_": target, "qualities": quality, "chroma": chroma}
     return changed
-
-
-def camera_of(preset: Mapping[str, Any]) -> Camera:
-    """Return the camera that a preset, a plain mapping as in ``conf/camera``, describes.
-
-    Raises:
-        InputError: It describes something else.
-    """
-    from hydra.utils import instantiate
-
-    camera: Camera = instantiate(dict(preset))
-    if not isinstance(camera, Camera):
-        raise InputError(f"camera={preset.get('name')} is no camera: give one of conf/camera")
-    return camera
 
 
 def lens_blur_px(camera: Camera) -> float:

@@ -60,29 +60,30 @@ _BENT = (
     "log_spread_blue",
     *(f"mean_{what}_{half}" for half in ("dark", "bright") for what in ("red", "blue")),
 )
-NAMES = (
-    *(f"log_power_{low:g}_{high:g}" for low, high in pairwise(RINGS)),
-    *(f"log_noise_{what}_{k}" for what in ("luma", "red", "blue") for k in range(1, RANGES + 1)),
-    *(
-        f"log_band_{what}_{low:g}_{high:g}_{half}"
-        for what, edges in BANDS.items()
-        for low, high in pairwise(edges)
-        for half in HALVES
-    ),
-    *(f"{what}_{100 * q:g}" for what in ("luminance", "red", "blue") for q in QUANTILES),
-    "correlation_red_blue",
-    "slope_red_luma",
-    "slope_blue_luma",
-    "spread_luma",
-    *_BENT,
-)
-"""Names of the columns of :func:`describe`."""
-BENT_NAMES = (
-    *NAMES,
+_COLOURS = ("correlation_red_blue", "slope_red_luma", "slope_blue_luma", "spread_luma", *_BENT)
+_BLOCKS = {
+    f"cosines of {plane}": [f"log_band_{plane}_{low:g}_{high:g}_" for low, high in pairwise(edges)]
+    for plane, edges in BANDS.items()
+}
+_PLANES = ("luminance", "red", "blue")
+GROUPS = {
+    "spectrum": tuple(f"log_power_{low:g}_{high:g}" for low, high in pairwise(RINGS)),
+    "noise": tuple(f"log_noise_{plane}_{k}" for plane in BANDS for k in range(1, RANGES + 1)),
+    **{
+        group: tuple(one + half for one in ones for half in HALVES)
+        for group, ones in _BLOCKS.items()
+    },
+    "quantiles": tuple(f"{what}_{100 * q:g}" for what in _PLANES for q in QUANTILES),
+    "colours": _COLOURS,
+}
+"""Names of the columns of :func:`describe`, by what they tell of."""
+NAMES = tuple(name for names in GROUPS.values() for name in names)
+GROUPS["bent"] = (
     *(f"square_{name}" for name in _BENT),
     *(f"limited_{name}" for name in _BENT),
     "product_red_blue",
 )
+BENT_NAMES = (*NAMES, *GROUPS["bent"])
 """Names of the columns of :func:`bend`."""
 _FIRST_BENT = NAMES.index(_BENT[0])
 

@@ -77,6 +77,11 @@ def read_real_pictures(folder: Path, least: int) -> RealPictures:
     _enough(folder, len(files), least, f"{len(files)} pictures")
     pictures = {file: _read(file) for file in files}
     _check_sizes(pictures)
+    if all(bool((picture == picture[:1]).all()) for picture in pictures.values()):
+        raise InputError(
+            f"images={folder} holds grey pictures only: noise and gains of the colours are part of "
+            "what is fitted; give pictures that were taken in colour"
+        )
     firsts: dict[bytes, Path] = {}
     copies = {}
     for file, picture in pictures.items():
@@ -90,11 +95,6 @@ def read_real_pictures(folder: Path, least: int) -> RealPictures:
         logger.warning("images=%s: %s; each is counted once", folder, told)
     kept = list(firsts.values())
     srgb = torch.stack([pictures[file] for file in kept])
-    if bool((srgb == srgb[:, :1]).all()):
-        raise InputError(
-            f"images={folder} holds grey pictures only: noise and gains of the colours are part of "
-            "what is fitted; give pictures that were taken in colour"
-        )
     _warn_of_near_copies(folder, srgb)
     return RealPictures(srgb, _jpeg_of(kept), copies=copies)
 

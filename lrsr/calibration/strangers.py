@@ -6,8 +6,8 @@ from typing import Any
 
 import torch
 
-from lrsr.calibration.parameters import camera_of
 from lrsr.camera.camera import Camera
+from lrsr.camera.preset_file import build_camera
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.render import filmed, load_radiances, render_missing
@@ -57,10 +57,7 @@ class Strangers:
         return pictures
 
     def trial(
-        self,
-        preset: Mapping[str, Any],
-        draw: int = 0,
-        origins_px: Sequence[tuple[int, int]] = (),
+        self, preset: Mapping[str, Any], draw: int = 0, origins_px: Sequence[tuple[int, int]] = ()
     ) -> torch.Tensor:
         """Photograph with a preset, so that a small change of it changes the pictures little.
 
@@ -73,9 +70,7 @@ class Strangers:
             origins_px: Places of the pictures in their frames, which the strangers have in turn;
                 the preset's own if empty.
         """
-        from hydra.utils import instantiate
-
-        stored = instantiate(preset.get("stored"))
+        stored = build_camera(preset).stored
         people = range(len(self.linear))
         turns = list(origins_px) or [tuple(preset["origin_px"])]
         places = [turns[k % len(turns)] for k in people]
@@ -84,7 +79,7 @@ class Strangers:
         for phase in dict.fromkeys(phases):
             who = [k for k in people if phases[k] == phase]
             there = {"origin_px": places[who[0]], "stored": None, "codec": "differentiable"}
-            pictures[who] = self.photographed(camera_of({**preset, **there}), draw, who)
+            pictures[who] = self.photographed(build_camera({**preset, **there}), draw, who)
         if stored is not None:
             for place in dict.fromkeys(places):
                 who = [k for k in people if places[k] == place]

@@ -4,9 +4,7 @@ from dataclasses import dataclass
 
 import torch
 
-from lrsr.camera.checks import check_positive
 from lrsr.camera.diffraction import numerical_aperture
-from lrsr.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -54,63 +52,25 @@ class Seidel:
             + _spread(self.astigmatism) * along**2
         )
 
-    def steepest(self) -> torch.Tensor:
+    def steepest(self) -> float:
         """Return a bound on the wavefront's slope anywhere in the field, waves per pupil radius.
 
-        2 λ / (2A) times the slope is how far light lands from where it should.
-
-        Returns:
-            Float64, of the terms' common shape (none if all are numbers).
+        2 λ / (2A) times the slope is how far light lands from where it should. All terms must be
+        numbers.
 
         Example:
-            >>> Seidel(defocus=-1.0, coma=0.5).steepest().item()
+            >>> Seidel(defocus=-1.0, coma=0.5).steepest()
             3.5
         """
-        sizes = [
-            torch.as_tensor(term, dtype=torch.float64).detach().abs()
-            for term in (self.defocus, self.spherical, self.coma, self.astigmatism, self.curvature)
-        ]
-        defocus, spherical, coma, astigmatism, curvature = sizes
-        return 2 * (defocus + astigmatism + curvature) + 4 * spherical + 3 * coma
+        weights = {"defocus": 2, "astigmatism": 2, "curvature": 2, "spherical": 4, "coma": 3}
+        return sum(weight * abs(float(getattr(self, term))) for term, weight in weights.items())
 
 
 def _spread(number: torch.Tensor | float) -> torch.Tensor | float:
     return number[..., None, None] if isinstance(number, torch.Tensor) else number
 
 
-def focus_shift_um(
-    subject_m: torch.Tensor | float, focus_m: float, focal_mm: float
-) -> torch.Tensor | float:
-    """Return how far behind the film a subject is sharp, µm; < 0: before the film.
-
-    A thin lens images the distance s at f + f² / (s - f) behind it.
-
-    Args:
-        subject_m: Lens to subject, m, > f; a number or a tensor of any shape.
-        focus_m: Lens to what is sharp, m, > f; infinity is allowed.
-        focal_mm: Focal length, mm, > 0.
-
-    Raises:
-        InputError: A distance is not greater than the focal length.
-
-    Example:
-        >>> round(focus_shift_um(1.0, float("inf"), 3.0), 2)
-        9.03
-    """
-    check_positive(focal_mm=focal_mm)
-    nearest = float(subject_m.detach().min()) if isinstance(subject_m, torch.Tensor) else subject_m
-    if not (1000 * nearest > focal_mm and 1000 * focus_m > focal_mm):
-        raise InputError(
-            f"subject at {nearest:g} m, focus at {focus_m:g} m: both must be farther than the "
-            f"focal length of {focal_mm:g} mm"
-        )
-    nearness = 1 / (1000 * subject_m - focal_mm) - 1 / (1000 * focus_m - focal_mm)
-    return nearness * (1000 * focal_mm**2)
-
-
-def defocus_waves(
-    shift_um: torch.Tensor | float, f_number: float, wavelength_nm: torch.Tensor | float
-) -> torch.Tensor | float:
+def defocus_waves(shift_um: float, f_number: float, wavelength_nm: float) -> float:
     """Return W₀₂₀ of a film that is out of focus, waves at the rim of the pupil.
 
     W₀₂₀ = δ A / (4 N λ), which for narrow cones is the text books' δ / (8 N² λ). The blur disk, 4

@@ -11,15 +11,6 @@ SITES = ((0, 0), (0, 1), (1, 0), (1, 1))
 """(row, column) of the four, in the order of a pattern's letters."""
 
 
-def check_pattern(pattern: str) -> None:
-    """Refuse what is no pattern.
-
-    Raises:
-        InputError: It is none of :data:`PATTERNS`.
-    """
-    check_choice("pattern", pattern, PATTERNS)
-
-
 def shifted(pattern: str, origin_px: tuple[int, int]) -> str:
     """Return the pattern that a crop has whose first pixel is the sensor's ``(x, y)``.
 
@@ -30,7 +21,7 @@ def shifted(pattern: str, origin_px: tuple[int, int]) -> str:
         >>> shifted("RGGB", (1, 0)), shifted("RGGB", (4, 7))
         ('GRBG', 'GBRG')
     """
-    check_pattern(pattern)
+    check_choice("pattern", pattern, PATTERNS)
     x, y = check_origin(origin_px)
     return "".join(pattern[2 * ((row + y) % 2) + (column + x) % 2] for row, column in SITES)
 
@@ -55,7 +46,7 @@ def colour_of_sites(
         >>> colour_of_sites("RGGB", (2, 3)).tolist()
         [[0, 1, 0], [1, 2, 1]]
     """
-    check_pattern(pattern)
+    check_choice("pattern", pattern, PATTERNS)
     height, width = size
     letters = torch.tensor(["RGB".index(letter) for letter in pattern], device=device)
     return letters.reshape(2, 2).repeat(-(-height // 2), -(-width // 2))[:height, :width]

@@ -1,6 +1,7 @@
 """What file does the camera make of the light on its film? One chain of steps, as a module."""
 
 from collections.abc import Sequence
+from inspect import signature
 from typing import Any
 
 import torch
@@ -139,7 +140,7 @@ class Camera(nn.Module):
     @property
     def flawless(self) -> bool:
         """Is this the reference camera, whatever its exposure, compression and name?"""
-        return self.supersampling == 1 and not any(self._stages().values())
+        return self.supersampling == 1 and all(getattr(self, stage) is None for stage in STAGES)
 
     def check_lens(self, name: str, *, pinhole: bool) -> None:
         """Refuse light that has come through another lens than a pinhole, if this one has optics.
@@ -288,17 +289,8 @@ class Camera(nn.Module):
         Raises:
             InputError: Unknown compression.
         """
-        settings: dict[str, Any] = {
-            "exposure_ev": self.exposure_ev,
-            "codec": self.codec,
-            "name": self.name,
-            "supersampling": self.supersampling,
-            "origin_px": self.origin_px,
-            "field_mm": self.field_mm,
-            "bands": self.bands,
-            "adapted": self.adapted,
-        }
-        return Camera(compression, **settings, **self._stages())
+        settings = {name: getattr(self, name) for name in signature(Camera).parameters}
+        return Camera(**{**settings, "compression": compression})
 
     def clean(self) -> "Camera":
         """Return a reference camera of the same exposure that does not compress.
@@ -321,9 +313,6 @@ class Camera(nn.Module):
     @property
     def _trained_through(self) -> bool:
         return self.codec == "differentiable"
-
-    def _stages(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in STAGES}
 
     def extra_repr(self) -> str:
         """Show the settings when the module is printed."""

@@ -41,11 +41,7 @@ _MACROBLOCK_PX = 16
 
 
 def jpeg(
-    srgb: torch.Tensor,
-    quality: int,
-    *,
-    chroma: str = "4:2:0",
-    origin_px: tuple[int, int] = (0, 0),
+    srgb: torch.Tensor, quality: int, *, chroma: str = "4:2:0", origin_px: tuple[int, int] = (0, 0)
 ) -> torch.Tensor:
     """Encode each image with OpenCV's JPEG and decode it again; there is no gradient.
 
@@ -94,11 +90,7 @@ def _through_file(rgb: np.ndarray, quality: int, chroma: str) -> np.ndarray:
 
 
 def jpeg_differentiable(
-    srgb: torch.Tensor,
-    quality: int,
-    *,
-    chroma: str = "4:2:0",
-    origin_px: tuple[int, int] = (0, 0),
+    srgb: torch.Tensor, quality: int, *, chroma: str = "4:2:0", origin_px: tuple[int, int] = (0, 0)
 ) -> torch.Tensor:
     """Do what :func:`jpeg` does, closely, with a gradient to the pixels.
 
@@ -162,7 +154,3 @@ class Jpeg(nn.Module):
         for quality in self.qualities:
             picture = codec(picture, quality, chroma=self.chroma, origin_px=origin_px)
         return picture
-
-    def extra_repr(self) -> str:
-        """Show the settings when the module is printed."""
-        return f"qualities={self.qualities}, chroma={self.chroma!r}"

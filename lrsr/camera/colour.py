@@ -86,11 +86,6 @@ class Colour(nn.Module):
         gains = torch.tensor(self.white_balance, dtype=raw.dtype, device=raw.device)
         return mix((raw * gains[:, None, None]).clamp_max(1.0), self.matrix)
 
-    def extra_repr(self) -> str:
-        """Show the settings when the module is printed."""
-        gains = ", ".join(f"{gain:.3g}" for gain in self.white_balance)
-        return f"white_balance=({gains}), matrix={self.matrix}"
-
 
 def mix(linear: torch.Tensor, matrix: Matrix) -> torch.Tensor:
     """Multiply each pixel of ``(B, 3, H, W)`` by a ``(3, 3)`` matrix.

@@ -11,7 +11,7 @@ photosites, which keeps the colours in their places.
 import torch
 from torch.nn import functional as F
 
-from lrsr.camera.bayer import SITES, check_pattern
+from lrsr.camera.bayer import PATTERNS, SITES
 from lrsr.camera.checks import check_choice, check_light
 from lrsr.camera.edge_aware import interpolate_along_edges
 from lrsr.errors import ImageContractError
@@ -49,15 +49,6 @@ _MALVAR: tuple[dict[tuple[int, int], float], ...] = (
 _KERNELS = {"bilinear": _BILINEAR, "malvar": _MALVAR}
 
 
-def check_method(method: str) -> None:
-    """Refuse what is no method.
-
-    Raises:
-        InputError: It is none of :data:`METHODS`.
-    """
-    check_choice("method", method, METHODS)
-
-
 def demosaic(raw: torch.Tensor, pattern: str = "RGGB", method: str = "malvar") -> torch.Tensor:
     """Interpolate the two colours that each photosite lacks.
 
@@ -81,8 +72,8 @@ def demosaic(raw: torch.Tensor, pattern: str = "RGGB", method: str = "malvar") -
         [2.0, 0.0, 4.0]
     """
     check_light(raw, channels=(1,), name="raw")
-    check_pattern(pattern)
-    check_method(method)
+    check_choice("pattern", pattern, PATTERNS)
+    check_choice("method", method, METHODS)
     height, width = raw.shape[-2:]
     if min(height, width) < 3:
         raise ImageContractError(f"raw: got {height} x {width} photosites, wanted 3 x 3 or more")

@@ -3,8 +3,9 @@
 import torch
 from torch import nn
 
-from lrsr.camera.bayer import check_pattern, mosaic, shifted
-from lrsr.camera.demosaic import check_method, demosaic
+from lrsr.camera.bayer import PATTERNS, mosaic, shifted
+from lrsr.camera.checks import check_choice
+from lrsr.camera.demosaic import METHODS, demosaic
 
 
 class Mosaic(nn.Module):
@@ -21,9 +22,8 @@ class Mosaic(nn.Module):
 
     def __init__(self, pattern: str = "RGGB", method: str = "malvar") -> None:
         super().__init__()
-        check_pattern(pattern)
-        check_method(method)
-        self.pattern, self.method = pattern, method
+        self.pattern = check_choice("pattern", pattern, PATTERNS)
+        self.method = check_choice("method", method, METHODS)
 
     def filter(self, light: torch.Tensor, origin_px: tuple[int, int] = (0, 0)) -> torch.Tensor:
         """Keep of ``light`` ``(B, 3, H, W)`` what each filter lets through: ``(B, 1, H, W)``.

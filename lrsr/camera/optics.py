@@ -4,7 +4,6 @@
 :mod:`lrsr.camera.blur` how it spreads.
 """
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,6 +21,7 @@ from lrsr.camera.checks import (
     numbers,
     whole,
 )
+from lrsr.camera.convolution import convolve
 from lrsr.camera.distortion import Distortion
 from lrsr.camera.image_plane import Field, read_field
 from lrsr.camera.vignetting import Vignetting
@@ -70,7 +70,6 @@ class Optics(nn.Module):
         pitch_um: Of the sensor's pixels, µm, > 0.
         wavelengths_nm: Of each colour, nm; the default is the renderer's (sRGB's dominant ones).
         field_radius_mm: From the axis to the sensor's corner, mm; faults "at the edge" are there.
-        focus_m: Distance that is sharp, m; None: the subject, wherever it is.
         defocus_um: How far behind the film the focus lies, µm, < 0: before it.
         axial_colour_um: What each colour adds to that, µm.
         spherical_waves: W₀₄₀ (:class:`lrsr.camera.aberrations.Seidel`).
@@ -102,7 +101,6 @@ class Optics(nn.Module):
         pitch_um: float = 2.65,
         wavelengths_nm: Sequence[float] = (611.4, 549.1, 464.2),
         field_radius_mm: float = 2.92,
-        focus_m: float | None = None,
         defocus_um: float = 0.0,
         axial_colour_um: Sequence[float] = (0.0, 0.0, 0.0),
         spherical_waves: float = 0.0,
@@ -134,7 +132,6 @@ class Optics(nn.Module):
             "coma_waves": number("coma_waves", coma_waves),
             "astigmatism_waves": number("astigmatism_waves", astigmatism_waves),
             "curvature_waves": number("curvature_waves", curvature_waves),
-            "focus_m": focus_m if focus_m in (None, math.inf) else number("focus_m", focus_m),
         }
         colours = numbers("wavelengths_nm", wavelengths_nm, 3)
         axial = numbers("axial_colour_um", axial_colour_um, 3)
@@ -154,7 +151,6 @@ class Optics(nn.Module):
         *,
         supersampling: int,
         field_mm: Field = (0.0, 0.0),
-        subject_m: torch.Tensor | float | None = None,
     ) -> torch.Tensor:
         """Send the light through the lens.
 
@@ -163,7 +159,6 @@ class Optics(nn.Module):
             supersampling: Film pixels along a sensor pixel's side, >= 1.
             field_mm: Middle of the crop on the sensor, (right, down) from the axis, mm; or a
                 tensor ``(B, 2)``.
-            subject_m: Lens to subject, m, or a tensor ``(B,)``; matters only with ``focus_m``.
 
         Returns:
             ``(B, 3, H, W)``, linear light, >= 0, still on the film; ``linear`` itself if all is
@@ -171,8 +166,7 @@ class Optics(nn.Module):
 
         Raises:
             ImageContractError: The light breaks the contract.
-            InputError: The crop lies off the sensor, the subject's distance is missing, or the
-                blur is too wide to compute.
+            InputError: The crop lies off the sensor, or the blur is too wide to compute.
         """
         check_light(linear)
         _check_supersampling(supersampling)
@@ -181,7 +175,7 @@ class Optics(nn.Module):
         film = self.warp.draw(linear, field, pitch_um / 1000)
         film = self.vignetting.darken(film, field, pitch_um / 1000)
         if self.blur is not None:
-            film = self.blur.spread(film, field / self.field_radius_mm, pitch_um, subject_m)
+            film = convolve(film, self.blur.kernels(field / self.field_radius_mm, pitch_um))
         return film if film is linear else film.clamp_min(0)  # a cubic and an FFT may undershoot
 
     def point_spread(
@@ -189,14 +183,12 @@ class Optics(nn.Module):
         *,
         supersampling: int,
         field_mm: Field = (0.0, 0.0),
-        subject_m: torch.Tensor | float | None = None,
     ) -> torch.Tensor:
         """Return what :meth:`forward` makes of a point, without warping: ``(N, 3, K, K)``, sum 1.
 
         Args:
             supersampling: Film pixels along a sensor pixel's side, >= 1.
             field_mm: See :meth:`forward`.
-            subject_m: See :meth:`forward`.
 
         Raises:
             InputError: See :meth:`forward`.
@@ -207,7 +199,7 @@ class Optics(nn.Module):
         if self.blur is None:
             return torch.ones(1, 3, 1, 1)
         pitch_um = self.pitch_um / supersampling
-        return self.blur.kernels(field / self.field_radius_mm, pitch_um, subject_m)
+        return self.blur.kernels(field / self.field_radius_mm, pitch_um)
 
     def distort_points(
         self,
@@ -216,7 +208,6 @@ class Optics(nn.Module):
         *,
         supersampling: int,
         field_mm: Field = (0.0, 0.0),
-        inverse: bool = False,
     ) -> torch.Tensor:
         """Return where points of the scene come to lie in the picture (landmarks, for example).
 
@@ -225,7 +216,6 @@ class Optics(nn.Module):
             size: (height, width) of the film.
             supersampling: Film pixels along a sensor pixel's side, >= 1.
             field_mm: See :meth:`forward`.
-            inverse: Return instead where on the film lies what the picture shows there.
 
         Raises:
             InputError: The crop lies off the sensor.
@@ -234,7 +224,7 @@ class Optics(nn.Module):
         field = read_field(field_mm, points_px, self.field_radius_mm)
         field = field[0] if len(field) == 1 else field[:, None]
         pitch_mm = self.pitch_um / supersampling / 1000
-        return self.warp.move_points(points_px, size, field, pitch_mm, inverse=inverse)
+        return self.warp.move_points(points_px, size, field, pitch_mm)
 
 
 def _check_supersampling(supersampling: int) -> None:

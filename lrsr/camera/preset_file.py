@@ -48,17 +48,28 @@ def read_preset_file(path: Path) -> dict[str, Any]:
         raise InputError(f"camera={path}: no such file; give a preset's name or its .yaml file")
     try:
         plain = _parsed(path)
-        if not isinstance(plain, dict) or "_target_" not in plain:
-            what = "nothing" if not plain else "no `_target_: lrsr.camera.Camera` at its top"
-            raise InputError(f"it holds {what}; {_REMEDY}")
-        if not isinstance(_build(plain, ""), Camera):
-            raise InputError(f"it is a part of a camera only; {_REMEDY}")
+        build_camera(plain)
     except InputError as error:
         raise InputError(f"camera={path}: {error}") from None
-    return {str(key): value for key, value in plain.items()}
+    return plain
 
 
-def _parsed(path: Path) -> object:
+def build_camera(plain: Mapping[str, Any]) -> Camera:
+    """Return the camera that plain values as in ``conf/camera`` describe.
+
+    Raises:
+        InputError: They describe something else; the message names the setting and the remedy.
+    """
+    if not isinstance(plain, dict) or "_target_" not in plain:
+        what = "nothing" if not plain else "no `_target_: lrsr.camera.Camera` at its top"
+        raise InputError(f"it holds {what}; {_REMEDY}")
+    camera = _build(plain, "")
+    if not isinstance(camera, Camera):
+        raise InputError(f"it is a part of a camera only; {_REMEDY}")
+    return camera
+
+
+def _parsed(path: Path) -> dict[str, Any]:
     """Return the plain content of a file.
 
     Raises:
@@ -71,7 +82,8 @@ def _parsed(path: Path) -> object:
         for event in yaml.parse(content, Loader=yaml.SafeLoader):
             if isinstance(event, yaml.AliasEvent):
                 raise InputError(f"*{event.anchor} repeats something; write the value itself")
-        return OmegaConf.to_container(OmegaConf.load(io.BytesIO(content)), resolve=False)
+        loaded: Any = OmegaConf.to_container(OmegaConf.load(io.BytesIO(content)), resolve=False)
+        return loaded  # type: ignore[no-any-return]  # `build_camera` looks what it is
     except OSError as error:
         raise InputError(f"{error.strerror or error}; {_REMEDY}") from None
     except InputError:

@@ -55,29 +55,17 @@ class Processing(nn.Module):
         saturation: float = 1.0,
     ) -> None:
         super().__init__()
-        settings = {
-            "denoise_luma_px": (denoise_luma_px, 0, 20),
-            "denoise_luma_level": (denoise_luma_level, 1e-6, 1),
-            "denoise_chroma_px": (denoise_chroma_px, 0, 20),
-            "sharpen_px": (sharpen_px, 0, 20),
-            "sharpen_amount": (sharpen_amount, 0, 10),
-            "contrast": (contrast, 0, 10),
-            "pivot": (pivot, 0, 1),
-            "brightness": (brightness, -1, 1),
-            "saturation": (saturation, 0, 10),
-        }
-        for name, (value, low, high) in settings.items():
-            setattr(self, name, number(name, value, f"{low}..{high}", low=low, high=high))
-
-    denoise_luma_px: float
-    denoise_luma_level: float
-    denoise_chroma_px: float
-    sharpen_px: float
-    sharpen_amount: float
-    contrast: float
-    pivot: float
-    brightness: float
-    saturation: float
+        self.denoise_luma_px = number("denoise_luma_px", denoise_luma_px, "0..20", low=0, high=20)
+        level = number("denoise_luma_level", denoise_luma_level, "1e-06..1", low=1e-6, high=1)
+        self.denoise_luma_level = level
+        chroma_px = number("denoise_chroma_px", denoise_chroma_px, "0..20", low=0, high=20)
+        self.denoise_chroma_px = chroma_px
+        self.sharpen_px = number("sharpen_px", sharpen_px, "0..20", low=0, high=20)
+        self.sharpen_amount = number("sharpen_amount", sharpen_amount, "0..10", low=0, high=10)
+        self.contrast = number("contrast", contrast, "0..10", low=0, high=10)
+        self.pivot = number("pivot", pivot, "0..1", low=0, high=1)
+        self.brightness = number("brightness", brightness, "-1..1", low=-1, high=1)
+        self.saturation = number("saturation", saturation, "0..10", low=0, high=10)
 
     def forward(self, linear: torch.Tensor) -> torch.Tensor:
         """Develop.
@@ -100,15 +88,6 @@ class Processing(nn.Module):
         luma = sharpen(luma, self.sharpen_px, self.sharpen_amount)
         luma = tone(luma, self.contrast, self.pivot) + self.brightness
         return (luma + self.saturation * chroma).clamp(0, 1)
-
-    def extra_repr(self) -> str:
-        """Show what is not left as it is when the module is printed."""
-        usual = {"contrast": 1.0, "saturation": 1.0}
-        names = "denoise_luma_px denoise_chroma_px sharpen_amount contrast brightness saturation"
-        values = {name: getattr(self, name) for name in names.split()}
-        return ", ".join(
-            f"{name}={value:g}" for name, value in values.items() if value != usual.get(name, 0.0)
-        )
 
 
 def luminance(srgb: torch.Tensor) -> torch.Tensor:

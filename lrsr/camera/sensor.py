@@ -140,14 +140,6 @@ class Sensor(nn.Module):
         black = self.black_level_dn + self.dn_per_e * self.dark_e
         return (raw - black) / (self.dn_per_e * self.white_e)
 
-    def extra_repr(self) -> str:
-        """Show the settings when the module is printed."""
-        return (
-            f"full_well_e={self.full_well_e:g}, gain={self.gain:g}, "
-            f"read_noise_e={self.read_noise_e:g}, dark_e={self.dark_e:g}, prnu={self.prnu:g}, "
-            f"bits={self.bits}, black_level_dn={self.black_level_dn}, noise={self.noise}"
-        )
-
 
 def noise_generator(seed: int, frame: int = 0) -> torch.Generator:
     """Return a generator of the noise of one exposure of one image.

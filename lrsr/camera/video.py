@@ -23,7 +23,6 @@ from torch.nn import functional as F
 
 from lrsr.camera.checks import check_choice, check_origin, check_setting, check_srgb, number, whole
 from lrsr.camera.codec import jpeg_differentiable
-from lrsr.errors import ImageContractError
 from lrsr.images import check_images
 
 CODECS = {"h264": ("libx264", "yuv420p"), "mjpeg": ("mjpeg", "yuvj422p")}
@@ -97,7 +96,6 @@ class Video(nn.Module):
         *,
         origin_px: tuple[int, int] = (0, 0),
         differentiable: bool = False,
-        background: torch.Tensor | None = None,
     ) -> torch.Tensor:
         """Record each image's frames, and play the last.
 
@@ -105,14 +103,12 @@ class Video(nn.Module):
             frames: ``(T, B, 3, H, W)`` float32, srgb, [0, 1]; T as the recording wants.
             origin_px: ``(x, y)`` of the face's first pixel in the camera's frame.
             differentiable: Use the stand-in, on the last frame.
-            background: ``(3, H', W')``, srgb: a whole frame, into which the face is put at
-                ``origin_px``; None: the margin, filled as ``surround`` says.
 
         Returns:
             ``(B, 3, H, W)`` float32, [0, 1], multiples of 1/255.
 
         Raises:
-            ImageContractError: The images break the contract, or the face leaves the background.
+            ImageContractError: The images break the contract.
             InputError: The place is no two whole numbers >= 0.
         """
         for frame in frames:
@@ -123,7 +119,7 @@ class Video(nn.Module):
         size = frames.shape[-2:]
         played = []
         for recording in frames.unbind(1):
-            framed, x, y = self._framed(recording, check_origin(origin_px), background)
+            framed, x, y = self._framed(recording, check_origin(origin_px))
             pixels = framed.detach().mul(255).round().to(torch.uint8)
             shown = play(self.record(pixels.permute(0, 2, 3, 1).cpu().numpy()), self.codec)[-1][0]
             played.append(torch.from_numpy(shown[y : y + size[0], x : x + size[1]].copy()))
@@ -167,38 +163,19 @@ class Video(nn.Module):
         return options if self.bit_rate_kbps is not None else {**options, "crf": str(self.crf)}
 
     def _framed(
-        self, face: torch.Tensor, origin_px: tuple[int, int], background: torch.Tensor | None
+        self, face: torch.Tensor, origin_px: tuple[int, int]
     ) -> tuple[torch.Tensor, int, int]:
-        """Return frames ``(T, 3, H', W')`` with even sides, and where in them the face lies.
-
-        Raises:
-            ImageContractError: The face leaves the background.
-        """
+        """Return frames ``(T, 3, H', W')`` with even sides, and where in them the face lies."""
         (x, y), (height, width) = origin_px, face.shape[-2:]
-        if background is not None:
-            check_images(background[None], name="background")
-            tall, wide = (side - side % 2 for side in background.shape[-2:])
-            if y + height > tall or x + width > wide:
-                raise ImageContractError(
-                    f"background: {tall} x {wide} pixels do not hold a face of {height} x {width} "
-                    f"at {origin_px}"
-                )
-            frame = background[:, :tall, :wide].to(face).repeat(len(face), 1, 1, 1)
-        else:
-            margin = -(-self.margin_px // _MACROBLOCK_PX) * _MACROBLOCK_PX
-            x, y = margin + x % _MACROBLOCK_PX, margin + y % _MACROBLOCK_PX
-            right = margin + -(x + width) % _MACROBLOCK_PX
-            bottom = margin + -(y + height) % _MACROBLOCK_PX
-            frame = F.pad(face, (x, right, y, bottom), mode="replicate")
-            if self.surround == "grey":
-                frame = torch.full_like(frame, _GREY)
+        margin = -(-self.margin_px // _MACROBLOCK_PX) * _MACROBLOCK_PX
+        x, y = margin + x % _MACROBLOCK_PX, margin + y % _MACROBLOCK_PX
+        right = margin + -(x + width) % _MACROBLOCK_PX
+        bottom = margin + -(y + height) % _MACROBLOCK_PX
+        frame = F.pad(face, (x, right, y, bottom), mode="replicate")
+        if self.surround == "grey":
+            frame = torch.full_like(frame, _GREY)
         frame[..., y : y + height, x : x + width] = face
         return frame, x, y
-
-    def extra_repr(self) -> str:
-        """Show the settings when the module is printed."""
-        rate = f"crf={self.crf}" if self.bit_rate_kbps is None else f"{self.bit_rate_kbps:g} kbit/s"
-        return f"codec={self.codec!r}, {rate}, frames={self.frames}, surround={self.surround!r}"
 
 
 SPEEDS = ("ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow", "veryslow")

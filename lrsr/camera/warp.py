@@ -54,8 +54,6 @@ class Warp:
         size: tuple[int, int],
         field: torch.Tensor,
         pitch_mm: float,
-        *,
-        inverse: bool = False,
     ) -> torch.Tensor:
         """Return where points of the film come to lie in the picture, in the middle colour.
 
@@ -64,13 +62,9 @@ class Warp:
             size: (height, width) of the film.
             field: The crop's middle on the sensor, mm from the axis; broadcasts with the points.
             pitch_mm: Of the film's pixels, mm.
-            inverse: From the picture to the film.
 
         Returns:
             ``(..., 2)``.
         """
-        middle = torch.zeros_like(field)
-        start, end = (field, middle) if inverse else (middle, field)
-        move = self.distortion.to_film if inverse else self.distortion.to_sensor
-        moved = move(pixels_to_mm(points_px, size, pitch_mm, start), field)
-        return mm_to_pixels(moved, size, pitch_mm, end)
+        film = pixels_to_mm(points_px, size, pitch_mm, torch.zeros_like(field))
+        return mm_to_pixels(self.distortion.to_sensor(film, field), size, pitch_mm, field)

@@ -33,7 +33,7 @@ from lrsr.sr.upscaler import Bicubic, Upscaler
 SHOWN = 6
 """People on the contact sheet."""
 
-Floats = NDArray[np.float32]
+Floats = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,8 @@ class Trial:
         gallery = self.gallery()
         as_it_is = Bicubic(1)
         enrolled = np.concatenate(
-            [self._enlarge_and_embed(some, as_it_is)[0] for _, some in chunks(gallery)]
+            [self._enlarge_and_embed(some, as_it_is)[0] for _, some in chunks(gallery)],
+            dtype=np.float64,
         )
         shown = gallery.load(0, min(SHOWN, len(gallery.identity_ids)))
         for condition in self.design.conditions:
@@ -145,7 +146,7 @@ class Trial:
                 decibels[method] += quality
         ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
         scores = {
-            method: CosineScores(np.concatenate(parts), enrolled, *ids)
+            method: CosineScores(np.concatenate(parts, dtype=np.float64), enrolled, *ids)
             for method, parts in embedded.items()
         }
         rows, comparisons, curves = evaluate(self.design, condition, scores, decibels)

@@ -1,9 +1,11 @@
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 import torch
+from PIL import Image, PngImagePlugin
 
 from lrsr.calibration.real_pictures import RealPictures, read_real_pictures
 from lrsr.errors import InputError
@@ -104,3 +106,115 @@ def test_grey_pictures_are_refused_but_single_ones_among_others_are_not(folder: 
         write_png(folder / f"{k}.png", grey)
     with pytest.raises(InputError, match="holds grey pictures only"):
         read_real_pictures(folder, 4)
+
+
+@pytest.fixture
+def twenty(tmp_path: Path) -> Path:
+    for k in range(20):
+        write_png(tmp_path / f"{k:02d}.png", noise(k))
+    return tmp_path
+
+
+def copied_bytes(folder: Path) -> None:
+    (folder / "x.png").write_bytes((folder / "00.png").read_bytes())
+
+
+def copied_pixels(folder: Path) -> None:
+    cv2.imwrite(str(folder / "x.bmp"), cv2.imread(str(folder / "00.png")))
+
+
+def with_other_metadata(folder: Path) -> None:
+    notes = PngImagePlugin.PngInfo()
+    notes.add_text("Comment", "another day")
+    Image.open(folder / "00.png").save(folder / "x.png", pnginfo=notes)
+
+
+def linked(folder: Path) -> None:
+    (folder / "x.png").symlink_to(folder / "00.png")
+
+
+def linked_hard(folder: Path) -> None:
+    (folder / "x.PNG").hardlink_to(folder / "00.png")
+
+
+@pytest.mark.parametrize(
+    "copy", [copied_bytes, copied_pixels, with_other_metadata, linked, linked_hard]
+)
+def test_a_copy_is_counted_once_and_told(
+    copy: Callable[[Path], None], twenty: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    copy(twenty)
+    found = read_real_pictures(twenty, 20)
+    assert torch.equal(found.srgb, torch.stack([noise(k) for k in range(20)]))
+    (name,) = found.copies
+    assert found.copies[name] == "00.png"
+    assert f"1 of 21 pictures are copies ({name} of 00.png); each is counted once" in caplog.text
+
+
+def test_fewer_different_pictures_than_the_least_are_refused_by_their_copies(twenty: Path) -> None:
+    for k in range(4):
+        (twenty / f"{k:02d}.png").write_bytes((twenty / "19.png").read_bytes())
+    with pytest.raises(
+        InputError,
+        match=r"holds 16 different pictures, since 4 of 20 pictures are copies \(01\.png of 00\.png, "
+        r"02\.png of 00\.png, 03\.png of 00\.png, \.\.\.\): give at least 20",
+    ):
+        read_real_pictures(twenty, 20)
+
+
+def test_frames_of_one_shot_are_told(twenty: Path, caplog: pytest.LogCaptureFixture) -> None:
+    assert not read_real_pictures(twenty, 20).copies
+    assert not caplog.text
+    frame = noise(3) + 0.01 * (noise(99) - 0.5)
+    write_png(twenty / "frame.png", frame)
+    assert len(read_real_pictures(twenty, 20).srgb) == 21
+    assert "2 of 21 pictures hardly differ from another one; frames of one shot" in caplog.text
+
+
+def test_whatever_else_lies_in_the_folder_is_passed_over(twenty: Path) -> None:
+    for name in (".DS_Store", "Thumbs.db", "notes.txt", "door.yaml", "film.mp4", "no_suffix"):
+        (twenty / name).write_bytes(b"something")
+    (twenty / "._00.png").write_bytes(b"a resource fork")
+    (twenty / ".hidden.png").write_bytes((twenty / "00.png").read_bytes())
+    (twenty / "below").mkdir()
+    write_png(twenty / "below" / "20.png", noise(20))
+    (twenty / "lost.png").symlink_to(twenty / "nowhere.png")
+    (twenty / "20.PNG").write_bytes((twenty / "below" / "20.png").read_bytes())
+    found = read_real_pictures(twenty, 20)
+    assert len(found.srgb) == 21
+    assert not found.copies
+
+
+@pytest.mark.parametrize("kind", ["png", "jpg", "bmp", "tif", "webp"])
+def test_a_picture_that_was_cut_short_is_refused_by_name(kind: str, twenty: Path) -> None:
+    path = twenty / f"cut.{kind}"
+    Image.open(twenty / "00.png").save(path)
+    path.write_bytes(path.read_bytes()[: -path.stat().st_size // 3])
+    with pytest.raises(InputError, match=rf"cut\.{kind} is "):
+        read_real_pictures(twenty, 20)
+
+
+def test_an_empty_or_forbidden_file_is_refused_by_name(
+    twenty: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (twenty / "empty.png").touch()
+    with pytest.raises(InputError, match=r"empty\.png is no picture, or a broken one"):
+        read_real_pictures(twenty, 20)
+
+    def forbidden(path: Path) -> bytes:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "read_bytes", forbidden)
+    with pytest.raises(InputError, match=r"cannot read .*00\.png: Permission denied"):
+        read_real_pictures(twenty, 20)
+
+
+def test_a_folder_that_cannot_be_read_is_refused(
+    twenty: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def forbidden(path: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "iterdir", forbidden)
+    with pytest.raises(InputError, match=r"cannot read images=.*: Permission denied; check its"):
+        read_real_pictures(twenty, 20)

@@ -1,11 +1,9 @@
-"""Wavefronts by hand, and focus by the thin lens."""
-
-import math
+"""Wavefronts by hand."""
 
 import pytest
 import torch
 
-from lrsr.camera.aberrations import Seidel, defocus_waves, focus_shift_um
+from lrsr.camera.aberrations import Seidel, defocus_waves
 from lrsr.errors import InputError
 
 AXIS, EDGE = torch.zeros(1, 2, dtype=torch.float64), torch.tensor([[1.0, 0.0]]).double()
@@ -54,21 +52,10 @@ def test_the_slope_is_bounded() -> None:
     assert float(Seidel(1.0).steepest()) == 2.0
 
 
-def test_each_subject_has_its_slope() -> None:
-    assert Seidel(torch.tensor([[1.0], [-2.0]]), coma=1.0).steepest().tolist() == [[5.0], [7.0]]
-
-
 def test_each_place_and_colour_has_its_wavefront() -> None:
     waves = Seidel(defocus=torch.tensor([[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]])).waves(EDGE, 4)
     assert waves.shape == (2, 3, 4, 4)
     assert torch.allclose(waves[0, 1], 2 * waves[0, 0])
-
-
-def test_focus_follows_the_thin_lens() -> None:
-    # 1/f = 1/s + 1/s': 50 mm lens, subject at 1 m: s' = 52.6316 mm; at infinity 50 mm.
-    assert focus_shift_um(1.0, math.inf, 50.0) == pytest.approx(2631.58, abs=0.01)
-    assert focus_shift_um(2.0, 2.0, 50.0) == 0
-    assert focus_shift_um(torch.tensor([1.0, 4.0]), 2.0, 50.0).sign().tolist() == [1, -1]
 
 
 def test_slow_lenses_have_the_text_books_defocus() -> None:
@@ -76,10 +63,6 @@ def test_slow_lenses_have_the_text_books_defocus() -> None:
     assert defocus_waves(100.0, 16.0, 500) == pytest.approx(100 / (8 * 256 * 0.5), rel=1e-3)
 
 
-def test_a_subject_inside_the_lens_is_refused() -> None:
-    with pytest.raises(InputError, match=r"subject at 0.02 m"):
-        focus_shift_um(torch.tensor([1.0, 0.02]), 1.0, 50.0)
-    with pytest.raises(InputError, match=r"focus at 0.05 m"):
-        focus_shift_um(1.0, 0.05, 50.0)
+def test_an_impossible_f_number_is_refused() -> None:
     with pytest.raises(InputError, match="f_number"):
         defocus_waves(1.0, 0.0, 550)

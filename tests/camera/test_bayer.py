@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lrsr.camera.bayer import PATTERNS, check_pattern, colour_of_sites, mosaic, shifted
+from lrsr.camera.bayer import PATTERNS, colour_of_sites, mosaic, shifted
 from lrsr.errors import ImageContractError, InputError
 
 LIGHT = torch.rand(2, 3, 20, 20, generator=torch.Generator().manual_seed(0))
@@ -34,7 +34,6 @@ def test_a_crop_has_the_colours_of_its_place(pattern: str, origin_px: tuple[int,
 
 def test_unknown_patterns_and_broken_images_are_refused() -> None:
     for ask in (
-        check_pattern,
         lambda p: shifted(p, (0, 0)),
         lambda p: colour_of_sites(p, (2, 2)),
         lambda p: mosaic(LIGHT, p),

@@ -118,18 +118,6 @@ def test_points_move_with_the_picture() -> None:
     assert [x[0], y[0]] == pytest.approx(moved[0].tolist(), abs=0.1)
 
 
-@pytest.mark.parametrize("view", ["facing", "planar"])
-def test_points_go_both_ways(view: str) -> None:
-    optics = Optics(distortion=BARREL, view=view)
-    points = torch.rand(2, 5, 2, generator=RANDOM, dtype=torch.float64) * 64
-    place = {"supersampling": 2, "field_mm": torch.tensor([[2.0, 1.0], [0.0, 0.0]]).double()}
-    moved = optics.distort_points(points, (64, 64), **place)
-    assert torch.allclose(
-        optics.distort_points(moved, (64, 64), **place, inverse=True), points, atol=1e-6
-    )
-    assert torch.allclose(moved[1], points[1], atol=0.01)  # nothing bends on the axis
-
-
 def test_vignetting_is_that_of_the_place() -> None:
     # cos⁴ of atan(2.5 / 3) = 0.348 in the middle of an odd crop.
     dark = Optics(natural_vignetting=True)(
@@ -140,15 +128,14 @@ def test_vignetting_is_that_of_the_place() -> None:
 
 
 def test_the_batch_does_not_matter() -> None:
-    optics = Optics(**ALL, focus_m=2.0)
-    fields, subjects = torch.tensor([[2.0, 1.0], [-1.0, 0.3]]), torch.tensor([0.3, 5.0])
-    together = optics(LIGHT, supersampling=2, field_mm=fields, subject_m=subjects)
+    optics = Optics(**ALL)
+    fields = torch.tensor([[2.0, 1.0], [-1.0, 0.3]])
+    together = optics(LIGHT, supersampling=2, field_mm=fields)
     for index in range(2):
         alone = optics(
             LIGHT[index : index + 1],
             supersampling=2,
             field_mm=tuple(fields[index].tolist()),
-            subject_m=float(subjects[index]),
         )
         assert torch.allclose(together[index], alone[0], atol=1e-6)
 
@@ -186,7 +173,6 @@ def test_a_film_of_no_whole_pixels_is_refused() -> None:
     ("setting", "message"),
     [
         ({"coma_waves": 1.0}, "coma_waves without f_number"),
-        ({"focus_m": 1.0}, "focus_m without f_number"),
         ({"axial_colour_um": (1.0, 0.0, 0.0)}, "axial_colour_um without f_number"),
         ({"rim_radius_mm": 1.0, "rim_distance_mm": 1.0}, "rim_radius_mm without f_number"),
         ({"f_number": 2.0, "rim_radius_mm": 1.0}, "give both or neither"),
@@ -213,10 +199,6 @@ def test_light_and_places_that_cannot_be_are_refused() -> None:
         optics(LIGHT, supersampling=1, field_mm=(3.0, 0.0))
     with pytest.raises(InputError, match=r"supersampling=1\.5"):
         optics(LIGHT, supersampling=1.5)
-    with pytest.raises(InputError, match="give its distance too"):
-        Optics(1.4, focus_m=1.0)(LIGHT, supersampling=1)
-    with pytest.raises(InputError, match="3 distances for 2 images"):
-        Optics(1.4, focus_m=1.0)(LIGHT, supersampling=1, subject_m=torch.tensor([1.0, 2.0, 3.0]))
     with pytest.raises(InputError, match="off the sensor"):
         optics.point_spread(supersampling=1, field_mm=(0.0, 5.0))
     with pytest.raises(InputError, match="off the sensor"):

@@ -85,15 +85,6 @@ def test_the_same_frames_give_the_same_picture_whatever_their_batch() -> None:
     assert torch.equal(together[1:2], video(frames[:, 1:2]))
 
 
-def test_a_given_background_surrounds_the_face() -> None:
-    background = torch.full((3, 65, 81), 0.2)  # odd: the last row and column are left out
-    frames = recordings(1, noise=0.0)
-    played = Video(crf=20)(frames, origin_px=(40, 30), background=background)
-    assert psnr_db(played, frames[-1]) > 30
-    with pytest.raises(ImageContractError, match="background: 64 x 80 pixels do not hold a face"):
-        Video()(frames, origin_px=(50, 30), background=background)
-
-
 def test_what_surrounds_the_face_may_be_grey_or_its_edge() -> None:
     frames = recordings(1, noise=0.0)
     grey, edge = (Video(crf=35, surround=what)(frames) for what in ("grey", "edge"))

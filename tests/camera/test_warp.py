@@ -45,15 +45,6 @@ def test_pictures_and_points_move_alike(facing: bool) -> None:
     assert abs(moved[0] - 24) + abs(moved[1] - 60) > 2
 
 
-def test_points_go_back_to_where_they_were() -> None:
-    points = torch.rand(2, 5, 2, generator=RANDOM, dtype=torch.float64) * 64
-    fields = torch.tensor([[[1.5, 2.0]], [[0.0, 0.0]]], dtype=torch.float64)
-    lens = Warp(BARREL, (2.0, 0.0, -2.0))
-    moved = lens.move_points(points, (64, 64), fields, PITCH_MM)
-    back = lens.move_points(moved, (64, 64), fields, PITCH_MM, inverse=True)
-    assert torch.allclose(back, points, atol=1e-6)
-
-
 def test_a_flat_picture_stays_flat() -> None:
     flat = torch.full((1, 3, 9, 7), 0.6)
     assert torch.allclose(Warp(BARREL, (2.0, 0.0, -2.0)).draw(flat, FIELD, PITCH_MM), flat)
