@@ -105,8 +105,8 @@ class Restoration(Learner):
     def parameter_groups(self) -> list[dict[str, Any]]:
         """Return a group for each part that learns more slowly, and one for the rest."""
         rate = as_number(self.make_optimizer.keywords.get("lr"), "module.optimizer.lr")
-        groups = [
-            {"params": [*getattr(self.network, part).parameters()], "lr": rate * share}
+        groups: list[dict[str, Any]] = [
+            {"params": [*self.network.get_submodule(part).parameters()], "lr": rate * share}
             for part, share in self.slower.items()
         ]
         apart = {id(p) for group in groups for p in group["params"]}
