@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from lrsr.errors import InputError
-from lrsr.files import claim, fresh_folder, make_folder
+from lrsr.files import fresh_folder, locked, make_folder
 from lrsr.paths import user_path
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ def check_limits(config: "DictConfig") -> None:
 
     for key, (kind, low, high) in LIMITS.items():
         given = OmegaConf.select(config, key, throw_on_missing=False)
+        require(given != [], key, given, "a number")
         for value in () if given is None else _listed(given):
             found = _whole(value, key) if kind is int else _number(value, key)
             require(low <= found <= high, key, value, f"at least {low} and at most {high}")
@@ -66,7 +67,7 @@ def run_folder(config: "DictConfig") -> Iterator[Path]:
     else:
         sweep = hydra.mode == RunMode.MULTIRUN
         folder = make_folder(user_path(config.paths.run) / (str(hydra.job.num) if sweep else ""))
-    with claim(folder):
+    with locked(folder, wait=False):
         yield folder
 
 
