@@ -17,13 +17,12 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from difflib import get_close_matches
 from io import TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FrameType
-from typing import TYPE_CHECKING, Any, Never, TextIO
+from typing import TYPE_CHECKING, Any, Never
 
 from lrsr import __version__
 from lrsr.errors import InputError
@@ -34,39 +33,22 @@ from lrsr.paths import config_folder, prepare_home, user_path
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-
-@dataclass(frozen=True)
-class Command:
-    """One word after ``lrsr``.
-
-    Attributes:
-        does: One line for the help page.
-        task: ``module:function`` that takes the composed configuration and returns a folder.
-    """
-
-    does: str
-    task: str
-
-
 COMMANDS = {
-    "demo": Command("the whole story in minutes, into one report.html", "lrsr.tasks:run_demo"),
-    "render": Command("probes, references and gallery into a folder", "lrsr.tasks:run_render"),
-    "train": Command("sr=srcnn2x|srcnn4x or recognition=arcface", "lrsr.tasks:run_train"),
-    "eval": Command("an experiment: results.json, report.html", "lrsr.tasks:run_eval"),
-    "identities": Command(
-        "contact sheet, who they are, uniqueness check", "lrsr.tasks:run_identities"
-    ),
-    "fit-camera": Command(
-        "a camera preset from real pictures in images=DIR", "lrsr.tasks:run_fit_camera"
-    ),
+    "demo": "the whole story in minutes, into one report.html",
+    "render": "probes, references and gallery into a folder",
+    "train": "sr=srcnn2x|srcnn4x or recognition=arcface",
+    "eval": "an experiment: results.json, report.html",
+    "identities": "contact sheet, who they are, uniqueness check",
+    "fit-camera": "a camera preset from real pictures in images=DIR",
 }
+"""What each does; ``lrsr.tasks.run_COMMAND`` does it."""
 
 USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
 
 usage: lrsr COMMAND [key=value ...] [--cfg job] [--multirun] [--help] [--debug]
 
 commands:
-{chr(10).join(f"  {name:<11} {command.does}" for name, command in COMMANDS.items())}
+{chr(10).join(f"  {name:<11} {does}" for name, does in COMMANDS.items())}
 
 examples:
   lrsr demo
@@ -90,39 +72,29 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     if argv is None:
         _open_streams()
-    words = list(sys.argv[1:] if argv is None else argv)
-    debug = "--debug" in words
-    words = [word for word in words if word != "--debug"]
-    with _signals() as received:
+    given = list(sys.argv[1:] if argv is None else argv)
+    words = [word for word in given if word != "--debug"]
+    with _terminated() as received:
         try:
-            return _ended(words, debug)
+            _run_or_help(words)
+            sys.stdout.flush()
         except KeyboardInterrupt:
-            number = received[0] if received else signal.SIGINT
-            verb = "interrupted" if number == signal.SIGINT else "stopped"
-            _tell(f"{verb}; run the same command again to go on")
-            return 128 + number
+            _tell(
+                f"{'stopped' if received else 'interrupted'}; run the same command again to go on"
+            )
+            return 143 if received else 130
+        except BrokenPipeError:  # the reader of a pipe, such as `head`, has had enough
+            return 141
+        except SystemExit as stop:  # argparse, inside Hydra
+            return stop.code if isinstance(stop.code, int) else 2
+        except Exception as error:
+            if words != given:
+                raise
+            status, line = explain(error, words)
+            _tell(line)
+            return status
         finally:
-            try:
-                sys.stdout.flush()
-            except (OSError, ValueError):
-                _give_up(sys.stdout)
-
-
-def _ended(words: list[str], debug: bool) -> int:
-    try:
-        _run_or_help(words)
-        sys.stdout.flush()
-    except BrokenPipeError:  # the reader of a pipe, such as `head`, has had enough
-        _give_up(sys.stdout)
-        return 141
-    except SystemExit as stop:  # argparse, inside Hydra
-        return stop.code if isinstance(stop.code, int) else 2
-    except Exception as error:
-        if debug:
-            raise
-        status, lines = explain(error, words)
-        _tell(*lines)
-        return status
+            _give_up_stdout()
     return 0
 
 
@@ -143,7 +115,7 @@ def _run(name: str, words: list[str]) -> None:
         near = get_close_matches(name, COMMANDS, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"choose one of {', '.join(COMMANDS)}"
         raise InputError(f"no command {name!r}: {hint}")
-    _check_working_folder()
+    Path.cwd()  # fails where it was removed
     prepare_home()
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach `main`, which says them in one line
     from hydra import version  # a quarter of a second that `lrsr --help` need not pay
@@ -152,81 +124,47 @@ def _run(name: str, words: list[str]) -> None:
     parser = get_args_parser()
     parser.error = _refuse_option  # type: ignore[method-assign]
     args = parser.parse_intermixed_args(words)
-    asked = [option for option in ("cfg", "info", "multirun", "run") if getattr(args, option)]
-    if len(asked) > 1:
-        _refuse_option(f"--{asked[0]} and --{asked[1]} exclude each other")
-    if args.experimental_rerun or (args.resolve and not (args.cfg or args.help)):
-        _refuse_option("--experimental-rerun is not for lrsr, and --resolve goes with --cfg")
     version.setbase("1.3")
     failures: list[Exception] = []
-    with _mended(args, name) as overrides:
-        args.overrides = overrides
-        _run_hydra(
-            args=args,
-            args_parser=parser,
-            task_function=_task(COMMANDS[name].task, failures),
-            config_path=args.config_path,
-            config_name=name,
-        )
-    if len(failures) == 1:
-        raise failures[0]
+    with TemporaryDirectory() as scratch:
+        args.overrides = _mended(args, name, Path(scratch))
+        try:
+            _run_hydra(
+                args=args,
+                args_parser=parser,
+                task_function=_task(f"run_{name.replace('-', '_')}", failures),
+                config_path=str(config_folder()),
+                config_name=name,
+            )
+        except ValueError as error:  # Hydra's word for options that exclude each other
+            _refuse_option(str(error))
     if failures:
-        raise ExceptionGroup("several runs failed", failures)
+        raise failures[0]
 
 
 def _refuse_option(message: str) -> Never:
     raise InputError(f"{message}: settings are written key=value; lrsr COMMAND --help lists them")
 
 
-def _check_working_folder() -> None:
-    try:
-        Path.cwd()
-    except FileNotFoundError:
-        raise InputError("the working folder was removed: go to another one") from None
+def _mended(args: Any, name: str, scratch: Path) -> list[str]:
+    """Return the overrides as Hydra reads what was meant.
 
-
-@contextmanager
-def _mended(args: Any, name: str) -> Iterator[list[str]]:
-    """Give the overrides as Hydra reads what was meant, and it a folder for what it writes.
-
-    That is multirun.yaml and an empty folder for each job: the runs' own say more.
-
-    Raises:
-        InputError: A word cannot be read, or a folder or a camera's file does not exist.
+    In ``scratch`` go cameras of the user's, and in a multirun what Hydra writes: multirun.yaml and
+    an empty folder for each job, which say less than the runs' own.
     """
-    main = args.config_path = _given_folder("config-path", args.config_path) or str(config_folder())
-    extra = args.config_dir = _given_folder("config-dir", args.config_dir)
-    sweep = args.multirun or "hydra.mode=MULTIRUN" in args.overrides
-    folders = [Path(folder) for folder in (main, extra) if folder]
-    if not sweep and not any(map(_CAMERA.match, args.overrides)):
-        yield Overrides(args.config_name or name, folders).mended(args.overrides)
-        return
-    with TemporaryDirectory() as scratch:
-        words = [_with_given_cameras(word, Path(scratch), sweep) for word in args.overrides]
-        overrides = Overrides(args.config_name or name, [*folders, Path(scratch)], sweep)
-        ours = [f'hydra.sweep.dir="{scratch}"', f'hydra.searchpath=["file://{scratch}"]']
-        yield [*ours, *overrides.mended(words)]
-
-
-def _given_folder(option: str, text: str | None) -> str | None:
-    if text is None:
-        return None
-    path = user_path(text)
-    if not path.is_dir():
-        raise InputError(f"--{option} {text}: no such folder")
-    return str(path)
-
-
-_CAMERA = re.compile(r"(\+{0,2}camera=)(.*)", re.DOTALL)
+    given = [args.config_path or config_folder(), *filter(None, [args.config_dir])]
+    folders = [*(Path(folder).absolute() for folder in given), scratch]
+    words = [_with_given_cameras(word, scratch, args.multirun) for word in args.overrides]
+    mended = Overrides(args.config_name or name, folders, args.multirun).mended(words)
+    return [f'hydra.sweep.dir="{scratch}"', f'hydra.searchpath=["file://{scratch}"]', *mended]
 
 
 def _with_given_cameras(word: str, scratch: Path, sweep: bool) -> str:
     """Let ``camera=PATH.yaml`` name a file: it becomes an option of the group for this run."""
-    found = _CAMERA.fullmatch(word)
-    if found is None:
+    key, _, value = word.partition("=")
+    if key.lstrip("+") != "camera":
         return word
-    pieces = [_given_camera(piece, scratch) for piece in pieces_of(found[2], sweep)]
-    return found[1] + ",".join(pieces)
+    return f"{key}=" + ",".join(_given_camera(text, scratch) for text in pieces_of(value, sweep))
 
 
 def _given_camera(text: str, scratch: Path) -> str:
@@ -235,7 +173,7 @@ def _given_camera(text: str, scratch: Path) -> str:
     Raises:
         InputError: There is no such file, or it is no camera.
     """
-    text = text[1:-1] if text[:1] in {'"', "'"} and text[-1:] == text[:1] else text
+    text = re.sub(r"""^(["'])(.*)\1$""", r"\2", text)
     if os.sep not in text and not text.lower().endswith((".yaml", ".yml")):
         return text
     from omegaconf import OmegaConf  # and what it needs only for such a file
@@ -251,17 +189,16 @@ def _given_camera(text: str, scratch: Path) -> str:
     return option
 
 
-def _task(path: str, failures: list[Exception]) -> "Callable[[DictConfig], None]":
+def _task(function: str, failures: list[Exception]) -> "Callable[[DictConfig], None]":
     """Wrap a task for Hydra, which would print a line of its own about what it lets through.
 
     In a multirun the jobs after a failed one are still done.
     """
-    module, function = path.split(":")
 
     def run(config: "DictConfig") -> None:
         try:
-            task: Callable[[DictConfig], Path] = getattr(importlib.import_module(module), function)
-            _say(task(config))
+            folder: Path = getattr(importlib.import_module("lrsr.tasks"), function)(config)
+            _say(folder)
         except Exception as error:
             failures.append(error)
 
@@ -274,20 +211,22 @@ def _say(folder: Path) -> None:
         sys.stdout.write(f"{folder}\n")
         sys.stdout.flush()
     except (OSError, ValueError) as error:  # a full disk, no reader, or letters it cannot show
-        _give_up(sys.stdout)
+        _give_up_stdout()
         _tell(f"done: {folder} (standard output: {error})")
 
 
-def _tell(*lines: str) -> None:
+def _tell(line: str) -> None:
     with suppress(OSError, ValueError):
-        sys.stderr.write("".join(f"lrsr: {line}\n" for line in lines))
-        sys.stderr.flush()
+        sys.stderr.write(f"lrsr: {line}\n")
 
 
-def _give_up(stream: TextIO) -> None:
-    """Send what is still written there to nowhere, so that Python's exit does not fail on it."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+def _give_up_stdout() -> None:
+    """Send what cannot be written to nowhere, so that Python's exit does not fail on it."""
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError):
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _open_streams() -> None:
@@ -299,13 +238,12 @@ def _open_streams() -> None:
             os.open(os.devnull, os.O_RDWR)  # the lowest free number
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(number, "w" if number else "r", closefd=False))
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):
+        if number and isinstance(stream := getattr(sys, name), TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 
 @contextmanager
-def _signals() -> Iterator[list[int]]:
+def _terminated() -> Iterator[list[int]]:
     """Let SIGTERM end the work as Ctrl-C does, everything tidied up; give what was received."""
     received: list[int] = []
 
@@ -313,15 +251,11 @@ def _signals() -> Iterator[list[int]]:
         received.append(number)
         raise KeyboardInterrupt
 
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = {number: signal.getsignal(number) for number in numbers}
-    before = {k: old for k, old in before.items() if old not in {None, signal.SIG_IGN}}
     if threading.current_thread() is not threading.main_thread():
-        before = {}
-    for number in before:
-        signal.signal(number, stop)
+        yield received
+        return
+    before = signal.signal(signal.SIGTERM, stop)
     try:
         yield received
     finally:
-        for number, old in before.items():
-            signal.signal(number, old)
+        signal.signal(signal.SIGTERM, before)

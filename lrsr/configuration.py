@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from lrsr.errors import InputError
-from lrsr.files import claim, fresh_folder, make_folder
+from lrsr.files import fresh_folder, locked, make_folder
 from lrsr.paths import user_path
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def run_folder(config: "DictConfig") -> Iterator[Path]:
     else:
         sweep = hydra.mode == RunMode.MULTIRUN
         folder = make_folder(user_path(config.paths.run) / (str(hydra.job.num) if sweep else ""))
-    with claim(folder):
+    with locked(folder, wait=False):
         yield folder
 
 

@@ -8,97 +8,68 @@ from lrsr.errors import InputError
 from lrsr.overrides import fields_of
 
 _FULL = {errno.ENOSPC, errno.EDQUOT}
+_TORCH_FULL = re.compile(r"No space left|iostream error|PytorchStreamWriter failed")
 
 
-def explain(error: Exception, words: Sequence[str]) -> tuple[int, list[str]]:
-    """Return the exit status, 2 for the user's input and 1 for ours, and a line for each failure.
+def explain(error: Exception, words: Sequence[str]) -> tuple[int, str]:
+    """Return the exit status, 2 for the user's input and 1 for ours, and a line.
 
     Args:
-        error: What reached the command line; a group holds those of a multirun.
+        error: What reached the command line.
         words: The user's: what cannot be built of a setting among them is the user's to mend.
     """
-    if isinstance(error, ExceptionGroup):
-        told = [explain(each, words) for each in error.exceptions]
-        return min(status for status, _ in told), list(
-            dict.fromkeys(line for _, lines in told for line in lines)
-        )
-    if (line := _mendable(error, words)) is not None:
-        return 2, [line]
-    kind = type(error).__name__
+    if line := _mendable(error, words):
+        return 2, line
     hint = "the same command with --debug shows where"
-    return 1, [f"a fault of ours: {kind}: {_one_line(error)} ({hint})"]
+    return 1, f"a fault of ours: {type(error).__name__}: {_one_line(error)} ({hint})"
 
 
 def _mendable(error: Exception, words: Sequence[str]) -> str | None:
-    """Return what the user can mend; None: nothing."""
     from hydra.errors import HydraException, InstantiationException  # only on the way out
-    from omegaconf.errors import (
-        InterpolationToMissingValueError,
-        MissingMandatoryValue,
-        OmegaConfBaseException,
-    )
+    from omegaconf import errors
 
-    for cause in _causes(error):
+    for cause in _behind(error, contexts=False):
         if isinstance(cause, InputError):
             return _one_line(cause)
-        if isinstance(cause, OSError) and (line := _of_the_machine(cause)):
-            return line
-    if any(isinstance(cause, OSError) and cause.errno in _FULL for cause in _behind(error)):
-        return "no space left on the disk: free some, or choose another folder"
-    if isinstance(error, MissingMandatoryValue | InterpolationToMissingValueError):
+        if isinstance(cause, OSError) and (cause.filename or cause.errno == errno.ENOENT):
+            place = cause.filename or "the working folder, or the one for temporary files"
+            return f"cannot use {place}: {cause.strerror}; mend that or choose another"
+    if any(map(_is_full_disk, _behind(error, contexts=True))):
+        return "cannot write: no space left on the disk; free some or choose another folder"
+    if isinstance(error, errors.MissingMandatoryValue | errors.InterpolationToMissingValueError):
         key = _one_line(error).rsplit(": ", maxsplit=1)[-1]
         return f"{key} must be given: add {key}=..."
     if isinstance(error, InstantiationException):
         return _not_built(error, words)
-    if isinstance(error, HydraException | OmegaConfBaseException):
+    if isinstance(error, HydraException | errors.OmegaConfBaseException):
         return f"{_one_line(error)} (--cfg job prints every setting)"
     return None
 
 
-def _causes(error: BaseException | None) -> Iterator[BaseException]:
+def _behind(error: BaseException | None, *, contexts: bool) -> Iterator[BaseException]:
+    """Yield an error and its causes; ``contexts``: what libraries hid behind one of their own."""
     while error is not None:
         yield error
-        error = error.__cause__
+        error = error.__cause__ or (error.__context__ if contexts else None)
 
 
-def _behind(error: BaseException | None) -> Iterator[BaseException]:
-    """Yield an error and what went wrong before it; libraries replace a full disk by their own."""
-    while error is not None:
-        yield error
-        error = error.__cause__ or error.__context__
-
-
-def _of_the_machine(error: OSError) -> str | None:
-    if error.errno in _FULL:
-        where = f"cannot write {error.filename}" if error.filename else "cannot write"
-        return f"{where}: {error.strerror}; free space or choose another folder"
-    if error.errno in {errno.EMFILE, errno.ENFILE}:
-        return f"{error.strerror}: close other programs, or raise ulimit -n"
-    if error.filename is None and not isinstance(error, FileNotFoundError):
-        return None  # no file's
-    where = f"{error.filename}: " if error.filename is not None else ""
-    return f"{where}{error.strerror}; mend it or choose another"
+def _is_full_disk(error: BaseException) -> bool:
+    full = isinstance(error, OSError) and error.errno in _FULL
+    return full or (isinstance(error, RuntimeError) and bool(_TORCH_FULL.search(str(error))))
 
 
 def _not_built(error: Exception, words: Sequence[str]) -> str | None:
     """Say which field of which setting cannot be; None where the user has not touched it."""
-    text, cause = str(error), error.__cause__
-    place = re.search(r"full_key: (\S+)", text)
-    target = re.search(r"target '([^']+)'", text)
-    if place is None:
+    text = str(error)
+    key = (re.search(r"full_key: (\S+)", text) or ["", ""])[1]
+    target, field = re.search(r"target '([^']+)'", text), re.search(r"unexpected.*'(\w+)'", text)
+    given = {word: word.partition("=")[0].lstrip("+") + "." for word in words}
+    touched = [w for w, g in given.items() if g.startswith(f"{key}.") or f"{key}.".startswith(g)]
+    if not touched:
         return None
-    key, touched = place[1], None
-    for word in words:
-        given = word.partition("=")[0].lstrip("+")
-        if f"{given}.".startswith(f"{key}.") or f"{key}.".startswith(f"{given}."):
-            touched = word
-    if touched is None:
-        return None
-    field = re.search(r"unexpected keyword argument '([^']+)'", text)
-    if field is not None and target is not None:
-        known = ", ".join(sorted(fields_of(target[1]) or ()))
-        return f"no setting {f'{key}.{field[1]}'!r}: {key} has {known}"
-    return f"{touched}: cannot build {key}: {_one_line(cause or error)}"
+    if field and target and (known := fields_of(target[1])):
+        return f"no setting '{key}.{field[1]}': {key} has {', '.join(sorted(known))}"
+    return f"{touched[-1]}: cannot build {key}: {_one_line(error.__cause__ or error)}"
 
 
 def _one_line(error: BaseException) -> str:

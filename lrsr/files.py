@@ -9,7 +9,7 @@ import os
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from itertools import chain, count
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,11 @@ def make_folder(folder: Path) -> Path:
     Raises:
         InputError: It cannot be made or written.
     """
-    with _making(folder):
+    try:
         folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"cannot make folder {folder}: {reason}; choose another") from error
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"cannot make files in folder {folder}: no permission; choose another")
     return folder
@@ -36,92 +39,38 @@ def fresh_folder(folder: Path) -> Path:
         InputError: It cannot be made.
     """
     make_folder(folder.parent)
-    names = chain([folder.name], (f"{folder.name}-{k}" for k in count(2)))
-    with _making(folder):
-        return next(path for path in map(folder.with_name, names) if _is_new(path))
-
-
-def _is_new(folder: Path) -> bool:
-    try:
-        folder.mkdir()
-    except FileExistsError:
-        return False
-    return True
+    mine = folder
+    for k in count(2):
+        with suppress(FileExistsError):
+            mine.mkdir()
+            break
+        mine = folder.with_name(f"{folder.name}-{k}")
+    return mine
 
 
 @contextmanager
-def _making(folder: Path) -> Iterator[None]:
-    """Say that a folder cannot be made.
+def locked(folder: Path, *, wait: bool = True) -> Iterator[None]:
+    """Let one process at a time into such a block; whatever ends it, a kill too, ends the lock.
+
+    Args:
+        folder: Is there. On a disk without locks everybody gets in.
+        wait: For the other one: to read, change and write. Without: a run's folder is in use.
 
     Raises:
-        InputError: The block failed.
+        InputError: Somebody has it, and ``wait`` is off.
     """
+    handle = os.open(folder, os.O_RDONLY)
     try:
-        yield
-    except OSError as error:
-        reason = error.strerror or error
-        raise InputError(f"cannot make folder {folder}: {reason}; choose another") from error
-
-
-@contextmanager
-def claim(folder: Path) -> Iterator[None]:
-    """Keep a folder to this process; whatever ends it, a kill too, gives the folder back.
-
-    Raises:
-        InputError: Another process has it, or the folder cannot be written.
-    """
-    with _held(folder / ".claimed", fcntl.LOCK_NB):
-        yield
-
-
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Wait until no other process is in such a block of the same folder: read, change, write.
-
-    Raises:
-        InputError: The folder cannot be written.
-    """
-    with _held(folder / ".locked", 0):
-        yield
-
-
-@contextmanager
-def _held(path: Path, how: int) -> Iterator[None]:
-    """Hold the lock of a file that is there only as long as somebody holds or wants it."""
-    while (handle := _locked_file(path, how)) is None:
-        pass
-    try:
+        with suppress(OSError):
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+            except BlockingIOError:
+                raise InputError(
+                    f"{folder} is in use by another lrsr command: wait for it or choose another"
+                ) from None
         yield
     finally:
-        with suppress(OSError):
-            path.unlink()  # while it is locked: who waits for it finds it gone and makes another
         os.close(handle)
-
-
-def _locked_file(path: Path, how: int) -> int | None:
-    """Make, open and lock a file; None where who held it has removed it.
-
-    Raises:
-        InputError: It cannot be made, or is held and ``how`` is not to wait.
-    """
-    try:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}; choose another folder") from error
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | how)
-    except BlockingIOError as error:
-        os.close(handle)
-        raise InputError(
-            f"{path.parent} is in use by another lrsr command: wait for it or choose another folder"
-        ) from error
-    except OSError:
-        return handle  # a disk without locks
-    with suppress(FileNotFoundError):
-        if os.path.samestat(os.fstat(handle), path.stat()):
-            return handle
-    os.close(handle)
-    return None
 
 
 @contextmanager
@@ -140,9 +89,9 @@ def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
     lock: int | None = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        lock = _lock(path.parent, fcntl.LOCK_SH)
         temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
         temporary.touch(exist_ok=False)
+        lock = _lock(temporary)
         yield temporary
         if durable:
             with temporary.open("rb") as written:
@@ -163,28 +112,25 @@ def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
 def sweep(folder: Path) -> int:
     """Remove what killed writers left in ``folder`` (not below it); return how many files.
 
-    While :func:`replacing` runs it holds a shared lock on the folder, which the system releases
-    when the process dies: if anyone is still writing there, nothing is removed.
+    While :func:`replacing` runs it holds a lock on its file, which the system releases when the
+    process dies.
     """
-    lock = _lock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    if lock is None:
-        return 0
-    try:
-        stale = list(folder.glob(".*.part"))
-        for part in stale:
+    swept = 0
+    for part in folder.glob(".*.part"):
+        if (lock := _lock(part)) is not None:
             with suppress(OSError):  # such as on a disk that can only be read
-                part.unlink(missing_ok=True)
-        return len(stale)
-    finally:
-        os.close(lock)
+                part.unlink()
+                swept += 1
+            os.close(lock)
+    return swept
 
 
-def _lock(folder: Path, kind: int) -> int | None:
-    """Open and lock a folder; None where that cannot be had, or not on this disk at all."""
+def _lock(file: Path) -> int | None:
+    """Open and lock a file; None where somebody holds it, or that cannot be had on this disk."""
     handle: int | None = None
     with suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY)
-        fcntl.flock(handle, kind)
+        handle = os.open(file, os.O_RDONLY)
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         return handle
     if handle is not None:
         os.close(handle)

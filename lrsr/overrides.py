@@ -10,44 +10,32 @@ import inspect
 import logging
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from lrsr.errors import InputError
 
-OPEN = frozenset({"sr", "conditions", "trainer", "callbacks", "logger", "optimizer", "scheduler"})
+OPEN = {"sr", "conditions", "trainer", "callbacks", "logger", "optimizer", "scheduler"}
 """Sections that take parts under any name."""
 
-EXTRA = frozenset({"debug"})
-"""Groups that no command has from the start: ``+debug=smoke``."""
-
-_PATHS = frozenset(
-    {"out", "images", "run", "runs", "cache", "model", "roster", "map", "weights", "root"}
-)
+_EXTRA = "debug"  # the group that no command has from the start
+_PATHS = {"out", "images", "run", "runs", "cache", "model", "roster", "map", "weights", "root"}
 _QUOTED = r'"(?:[^"\\]|\\.)*"|' + r"'(?:[^'\\]|\\.)*'"
-_WORD = re.compile(r"(\+{0,2}|~)([^=@]*)(@[^=]*)?(?:=(.*))?", re.DOTALL)
-_ABSENT = object()
+_WORD = re.compile(r"(~|\+{0,2})([^=@]*)(@[^=]*)?(?:=(.*))?", re.DOTALL)
 
 logger = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class _Word:
-    """One word: ``sign`` is +, ++, ~ or nothing; ``package`` begins with @; ``value`` may be ""."""
-
+class _Word(NamedTuple):
     sign: str
     key: str
-    package: str
+    package: str  # with its @
     value: str
 
     def __str__(self) -> str:
         return f"{self.key}{self.package}={self.value}"
-
-    @property
-    def for_hydra(self) -> bool:
-        return self.key.startswith(("hydra.", "hydra/"))
 
 
 @dataclass(frozen=True)
@@ -56,7 +44,7 @@ class Overrides:
 
     Attributes:
         command: The configuration's name.
-        folders: Where configurations lie, the shipped one first.
+        folders: Where configurations lie, the main one first.
         sweep: A multirun.
     """
 
@@ -70,42 +58,39 @@ class Overrides:
         Raises:
             InputError: A key or an option does not exist, or a value is missing or unreadable.
         """
-        read = self._trained([_read(word) for word in words])
-        latest = {f"{word.key}{word.package}": word for word in read}
+        read = [self._read(word) for word in words]
+        networks = [text for text, word in zip(words, read, strict=True) if word.key == "train"]
+        if len(networks) > 1:
+            raise InputError(f"{' and '.join(networks)}: give one of them to train")
+        latest = {word.key + word.package: word for word in read}
         if len(latest) < len(read):
             repeated = sorted({word.key for word in read if word not in latest.values()})
             logger.warning("given twice, the last counts: %s", ", ".join(repeated))
-        kept = list(latest.values())
-        settings = [word for word in kept if not (word.for_hydra or self._is_group(word))]
-        choices = [self._choice(word) for word in kept if self._is_group(word)]
-        hydra = [f"{word.sign}{word}" for word in kept if word.for_hydra]
-        if not settings and not choices:
-            return hydra
-        # Of a sweep's choices the first: their options have the same settings.
-        firsts = [re.sub(r"=([^,\[]+),.*", r"=\1", word) for word in choices if "(" not in word]
-        base = self._composed(firsts)
-        return [*hydra, *choices, *(self._setting(word, base) for word in settings)]
+        hydras = [word for word in latest.values() if word.key.startswith(("hydra.", "hydra/"))]
+        groups = [word for word in latest.values() if self._options(word.key)]
+        others = [word for word in latest.values() if word not in {*hydras, *groups}]
+        mended = [f"{word.sign}{word}" for word in hydras]
+        mended += [self._choice(word) for word in groups]
+        base = self._composed(mended) if others or groups else {}
+        return mended + [self._setting(word, base) for word in others]
 
-    def _trained(self, words: list[_Word]) -> list[_Word]:
-        """Let ``lrsr train`` be told ``sr=NAME`` or ``recognition=NAME`` for ``train=NAME``.
+    def _read(self, text: str) -> _Word:
+        found = _WORD.fullmatch(text)
+        sign, key, package, value = found.groups() if found else ("", "", None, None)
+        if not key or (value is None and sign != "~"):
+            raise InputError(f"{text!r}: write key=value, without blanks around =")
+        value = value or ""
+        if sign != "~" and not value.strip():
+            raise InputError(f"{key}=: give a value, or null for none")
+        # lrsr train sr=NAME and recognition=NAME mean train=NAME.
+        if self.command == "train" and key in {"sr", "recognition"} and self._options("train"):
+            key = "train"
+        return _Word(sign, key, package or "", value)
 
-        Raises:
-            InputError: It is told several.
-        """
-        if self.command != "train" or not self._options("train"):
-            return words
-        what = [word for word in words if word.key in {"sr", "recognition", "train"}]
-        if len(what) > 1:
-            given = " and ".join(str(word) for word in what)
-            raise InputError(f"{given}: give one of them to train")
-        return [replace(word, key="train") if word in what else word for word in words]
-
-    def _options(self, group: str) -> list[str]:
-        found = [path for folder in self.folders for path in (folder / group).glob("*.yaml")]
-        return sorted({path.stem for path in found})
-
-    def _is_group(self, word: _Word) -> bool:
-        return re.fullmatch(r"[\w/-]+", word.key) is not None and bool(self._options(word.key))
+    def _options(self, group: str) -> set[str]:
+        if not re.fullmatch(r"[\w/-]+", group):
+            return set()
+        return {p.stem for folder in self.folders for p in (folder / group).glob("*.yaml")}
 
     def _choice(self, word: _Word) -> str:
         """Return ``group=option``; Hydra's + only where Hydra wants one.
@@ -113,80 +98,80 @@ class Overrides:
         Raises:
             InputError: There is no such option.
         """
-        options = self._options(word.key)
+        options = sorted(self._options(word.key))
         names = re.findall(r"[^\[\],\s]+", word.value)
-        if word.sign == "~" or not names:
-            raise InputError(f"{word}: choose one of {', '.join(options)}")
-        for name in names if "(" not in word.value else ():
-            if not any((folder / word.key / f"{name}.yaml").is_file() for folder in self.folders):
-                raise InputError(f"{word}: no {name!r} in {word.key}{_meant(name, options)}")
-        shipped = (self.folders[0] / word.key).is_dir() and word.key not in EXTRA
-        plus = "" if shipped and not word.package else "+" if word.sign or word.key in EXTRA else ""
-        return f"{plus}{word}"
+        function = self.sweep and "(" in word.value
+        wrong = [name for name in names if name not in options and not function]
+        if word.sign == "~" or not names or wrong:
+            hint = (wrong and _meant(wrong[0], options)) or f": choose one of {', '.join(options)}"
+            raise InputError(f"{word}: no such option{hint}")
+        if len(names) > 1 and not (self.sweep or word.value.startswith("[")):
+            raise InputError(f"{word}: add -m to run one after the other")
+        added = word.key == _EXTRA or not (self.folders[0] / word.key).is_dir() or word.package
+        return f"{'+' if added and (word.sign or word.key == _EXTRA) else ''}{word}"
 
     def _composed(self, words: list[str]) -> dict[str, Any]:
+        """Compose what can be changed, of a sweep's options the first.
+
+        Raises:
+            HydraException: The files cannot be composed.
+            InputError: The command has no such group.
+        """
         from hydra import compose, initialize_config_dir  # a quarter of a second
         from hydra.errors import HydraException
         from omegaconf import OmegaConf
 
         search = ",".join(_quoted(f"file://{folder}") for folder in self.folders[1:])
-        words = [*words, f"hydra.searchpath=[{search}]"]
+        firsts = [re.sub(r"=([^,\[]+),.*", r"=\1", word) for word in words if "(" not in word]
         try:
             with initialize_config_dir(str(self.folders[0]), version_base="1.3"):
-                composed = compose(self.command, words)
+                composed = compose(self.command, [f"hydra.searchpath=[{search}]", *firsts])
         except HydraException as error:
-            group = re.search(r"Could not override '([^']+)'", str(error))
+            group = re.search(r"Could not override '([^'.]+)'", str(error))
             if group is None:
                 raise
-            raise InputError(
-                f"no {group[1]} to choose here: lrsr {self.command} --help lists what there is"
-            ) from error
-        plain: dict[str, Any] = OmegaConf.to_container(composed, resolve=False)  # type: ignore[assignment]
-        return plain
+            raise InputError(f"lrsr {self.command} has no {group[1]} to choose") from error
+        plain: Any = OmegaConf.to_container(composed, resolve=False)
+        return dict(plain)
 
     def _setting(self, word: _Word, base: dict[str, Any]) -> str:
-        """Return ``++key=value`` (Hydra changes or adds it), or ``~key``.
+        """Return ``++key=value`` (Hydra changes or adds it), or ``~key`` of an open section.
 
         Raises:
-            InputError: There is no such setting, or it cannot be taken away or read.
+            InputError: There is no such setting, or it cannot be taken away.
         """
-        missing = self._check_key(word.key + word.package, base)
-        if word.sign == "~":
-            if missing or word.key.partition(".")[0] not in OPEN or "." not in word.key:
-                raise InputError(f"~{word.key}: cannot be taken away; give it another value")
-            return f"~{word.key}"
-        return f"++{word.key}={_readable(word, self.sweep)}"
+        self._check_key(word.key + word.package, base)
+        if word.sign != "~":
+            return f"++{word.key}={_readable(word, self.sweep)}"
+        if word.key.partition(".")[0] not in OPEN:
+            raise InputError(f"~{word.key}: cannot be taken away; give it another value")
+        return f"~{word.key}"
 
-    def _check_key(self, key: str, base: dict[str, Any]) -> bool:
-        """Return whether the key is an addition.
-
-        Raises:
-            InputError: It is none that anything reads.
-        """
+    def _check_key(self, key: str, base: dict[str, Any]) -> None:
         node: Any = base
-        parts = key.split(".")
         above: list[Any] = []
-        while parts[len(above) :] and (inner := _inner(node, parts[len(above)])) is not _ABSENT:
+        parts = key.split(".")
+        for part in parts:
+            inner = _inner(node, part)
+            if inner is None:
+                break
             above.append(node)
-            node = inner
+            node = inner[0]
         if len(above) == len(parts):
-            return False
-        place, part = ".".join(parts[: len(above)]), parts[len(above)]
+            return
+        outer, part = parts[: len(above)], parts[len(above)]
         if isinstance(node, dict) and "_target_" in node:
-            fields = fields_of(node["_target_"])
-            if fields is not None and part not in fields and not part.startswith("_"):
-                raise InputError(f"no setting {key!r}: {place} has {', '.join(sorted(fields))}")
-            return True
-        built = any("_target_" in outer for outer in above if isinstance(outer, dict))
-        opened = built or OPEN & set(parts[: len(above)])
-        if not (opened and (node is None or isinstance(node, dict))):
+            fields = sorted(fields_of(node["_target_"]) or [part])
+            if part not in fields and not part.startswith("_"):
+                hint = f"{_meant(part, fields)}; {'.'.join(outer)} has {', '.join(fields)}"
+                raise InputError(f"no setting {key!r}{hint}")
+        elif not isinstance(node, dict | None) or not (OPEN & {*outer} or _is_built(above)):
             known = [*_keys(base), *(folder.name for folder in self.folders[0].glob("*/"))]
             hint = _meant(key, known) or f": lrsr {self.command} --help lists them"
             raise InputError(f"no setting {key!r}{hint}")
-        return True
 
 
-def fields_of(target: str) -> "set[str] | None":
+def fields_of(target: str) -> set[str] | None:
     """Return what a ``_target_`` can be given by name; None: anything.
 
     Raises:
@@ -198,40 +183,7 @@ def fields_of(target: str) -> "set[str] | None":
         parameters = inspect.signature(get_object(target)).parameters
     except Exception as error:  # whatever the import of the user's own module raises
         raise InputError(f"_target_={target}: {error}") from error
-    if any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
-        return None
-    return set(parameters)
-
-
-def _read(text: str) -> _Word:
-    found = _WORD.fullmatch(text)
-    sign, key, package, value = found.groups() if found else ("", "", None, None)
-    if not key or (value is None and sign != "~"):
-        raise InputError(f"{text!r}: write key=value, without blanks around =")
-    if sign != "~" and not (value or "").strip():
-        raise InputError(f"{key}=: give a value, or null for none")
-    return _Word(sign, key, package or "", value or "")
-
-
-def _readable(word: _Word, sweep: bool) -> str:
-    """Return the value as Hydra can parse it.
-
-    Raises:
-        InputError: It cannot be told what is meant.
-    """
-    text = word.value
-    if word.key.rpartition(".")[2] in _PATHS and not _is_function(word):
-        pieces = pieces_of(text, sweep)
-        return ",".join(piece if piece == "null" else _quoted(piece) for piece in pieces)
-    reason = _refusal(word)
-    if reason and not text.lstrip().startswith(("[", "{")):
-        text = _quoted(text)
-        reason = _refusal(replace(word, value=text))
-    if reason:
-        raise InputError(f"{word}: {reason}; quote what Hydra cannot read: {word.key}='\"...\"'")
-    if not sweep and re.search(r"SWEEP", _kind(replace(word, value=text))):
-        raise InputError(f"{word}: write [...] for a list, or add -m to run one after the other")
-    return text
+    return None if any(p.kind is p.VAR_KEYWORD for p in parameters.values()) else {*parameters}
 
 
 def pieces_of(text: str, sweep: bool) -> list[str]:
@@ -244,6 +196,31 @@ def pieces_of(text: str, sweep: bool) -> list[str]:
     return re.findall(rf"{_QUOTED}|[^,]+", text) if sweep else [text]
 
 
+def _readable(word: _Word, sweep: bool) -> str:
+    """Return the value as Hydra can parse it.
+
+    Raises:
+        InputError: It cannot be told what is meant.
+    """
+    from hydra.errors import HydraException
+
+    kind, text = "", word.value
+    is_path = word.key.rpartition(".")[2] in _PATHS
+    try:
+        kind = _kind(text)
+    except (HydraException, ValueError) as error:  # ValueError: thousands of digits
+        if not is_path and text.lstrip().startswith(("[", "{")):
+            reason = str(error).splitlines()[0]
+            raise InputError(f"{word}: {reason}; write {word.key}='\"...\"'") from error
+        text = text if is_path else _quoted(text)
+    if is_path and kind not in {"CHOICE_SWEEP", "RANGE_SWEEP"}:
+        pieces = pieces_of(text, sweep)
+        return ",".join(piece if piece == "null" else _quoted(piece) for piece in pieces)
+    if "SWEEP" in kind and not sweep:
+        raise InputError(f"{word}: write [...] for a list, or add -m to run one after the other")
+    return text
+
+
 def _quoted(text: str) -> str:
     from hydra.core.override_parser.types import Quote, QuotedString
 
@@ -252,45 +229,28 @@ def _quoted(text: str) -> str:
     return QuotedString(text, Quote.double).with_quotes()
 
 
-def _parsed(word: _Word) -> Any:
+def _kind(text: str) -> str:
     from hydra.core.override_parser.overrides_parser import OverridesParser
 
-    return OverridesParser.create().parse_override(f"key={word.value}")
+    return getattr(OverridesParser.create().parse_override(f"key={text}").value_type, "name", "")
 
 
-def _refusal(word: _Word) -> str:
-    from hydra.errors import HydraException
-
-    try:
-        _parsed(word)
-    except (HydraException, ValueError) as error:  # ValueError: a number of thousands of digits
-        return str(error).splitlines()[0]
-    return ""
+def _inner(node: Any, part: str) -> tuple[Any] | None:
+    number = int(part) if part.isdigit() else -1
+    if isinstance(node, list):
+        return (node[number],) if 0 <= number < len(node) else None
+    names = [name for name in (part, number) if isinstance(node, dict) and name in node]
+    return (node[names[0]],) if names else None
 
 
-def _kind(word: _Word) -> str:
-    return str(_parsed(word).value_type)
+def _is_built(nodes: list[Any]) -> bool:
+    return any("_target_" in node for node in nodes if isinstance(node, dict))
 
 
-def _is_function(word: _Word) -> bool:
-    """Tell whether the value is ``choice(a,b)`` or another of Hydra's sweeps."""
-    return not _refusal(word) and re.search(r"\.(CHOICE|RANGE|GLOB)", _kind(word)) is not None
-
-
-def _inner(node: Any, part: str) -> Any:
-    if isinstance(node, dict):
-        number = int(part) if part.isdigit() else part
-        return node.get(part, node.get(number, _ABSENT))
-    if isinstance(node, list) and part.isdigit() and int(part) < len(node):
-        return node[int(part)]
-    return _ABSENT
-
-
-def _keys(node: Any, place: str = "") -> Iterator[str]:
+def _keys(node: dict[Any, Any], place: str = "") -> Iterator[str]:
     for key, inner in node.items():
         yield f"{place}{key}"
-        if isinstance(inner, dict):
-            yield from _keys(inner, f"{place}{key}.")
+        yield from _keys(inner, f"{place}{key}.") if isinstance(inner, dict) else ()
 
 
 def _meant(word: str, known: Sequence[str]) -> str:

@@ -7,12 +7,22 @@ import signal
 import stat
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from lrsr.errors import InputError
-from lrsr.files import replacing, sweep, write_bytes, write_json, write_text
+from lrsr.files import (
+    fresh_folder,
+    locked,
+    make_folder,
+    replacing,
+    sweep,
+    write_bytes,
+    write_json,
+    write_text,
+)
 
 HANG_WHILE_WRITING = """
 import sys, time
@@ -119,3 +129,55 @@ def test_sweeping_removes_what_a_killed_writer_left_and_not_what_a_live_one_writ
 
 def test_sweeping_a_folder_that_is_not_there_finds_nothing(tmp_path: Path) -> None:
     assert sweep(tmp_path / "none") == 0
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    (tmp_path / "link").symlink_to("nowhere")
+    for name in ("file", "file/below", "link", "x" * 300):
+        with pytest.raises(InputError, match=r"cannot make folder .*; choose another"):
+            make_folder(tmp_path / name)
+
+
+def test_a_folder_that_cannot_be_written_is_told_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert make_folder(tmp_path / "a" / "b").is_dir()
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may everything
+    with pytest.raises(InputError, match="no permission; choose another"):
+        make_folder(tmp_path / "a" / "b")
+
+
+def test_a_fresh_folder_is_nobody_elses(tmp_path: Path) -> None:
+    wanted = tmp_path / "runs" / "12-00"
+    made = [fresh_folder(wanted).name for _ in range(3)]
+    assert made == ["12-00", "12-00-2", "12-00-3"]
+
+
+def test_no_fresh_folder_where_a_file_is_in_the_way(tmp_path: Path) -> None:
+    (tmp_path / "runs").touch()
+    with pytest.raises(InputError, match="cannot make folder"):
+        fresh_folder(tmp_path / "runs" / "12-00")
+
+
+def test_a_claimed_folder_is_refused_until_it_is_given_back(tmp_path: Path) -> None:
+    with locked(tmp_path, wait=False):
+        write_text(tmp_path / "a", "writing in it goes on")
+        with pytest.raises(InputError, match="is in use by another"), locked(tmp_path, wait=False):
+            pass
+    with locked(tmp_path, wait=False):
+        pass
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+def test_of_many_that_read_change_and_write_none_is_lost(tmp_path: Path) -> None:
+    path = tmp_path / "rows"
+    write_text(path, "")
+
+    def add(k: int) -> None:
+        with locked(tmp_path):
+            write_bytes(path, path.read_bytes() + b"%d\n" % k, durable=False)
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(add, range(40)))
+    assert sorted(map(int, path.read_text().split())) == list(range(40))

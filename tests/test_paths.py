@@ -1,5 +1,7 @@
 """Where things are, from a wheel, a checkout, and any folder."""
 
+import os
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -77,3 +79,69 @@ def test_the_cache_is_the_users_otherwise(
     monkeypatch.delenv("LRSR_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", base)
     assert paths.cache_folder() == Path(wanted).expanduser()
+
+
+def test_a_users_path_is_absolute_and_its_home_is_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert paths.user_path("~/größe (1)") == tmp_path / "home" / "größe (1)"
+    assert paths.user_path("a b") == tmp_path / "a b"
+
+
+@pytest.mark.parametrize("text", ["", "  ", "~nobody-is-called-so/x"])
+def test_a_path_that_cannot_be_meant_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="write"):
+        paths.user_path(text)
+
+
+def test_whoever_has_no_home_has_a_cache_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    for name in ("LRSR_CACHE", "XDG_CACHE_HOME", "MPLCONFIGDIR"):
+        monkeypatch.delenv(name, raising=False)
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("HOME", str(tmp_path / "file"))
+    mine = tmp_path / f"lrsr-{os.getuid()}"
+    assert paths.cache_folder() == mine
+    assert mine.stat().st_mode & 0o777 == 0o700
+    paths.prepare_home()
+    assert os.environ["MPLCONFIGDIR"] == str(mine)
+
+
+def test_a_home_that_can_only_be_read_still_serves_its_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("LRSR_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "other"))
+    (tmp_path / "other").mkdir()
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    assert paths.cache_folder().is_relative_to(tmp_path / "other")
+    (tmp_path / "lrsr").mkdir()
+    assert paths.cache_folder() == tmp_path / "lrsr"
+
+
+def test_a_temporary_folder_that_somebody_else_laid_out_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    (tmp_path / "theirs").mkdir()
+    (tmp_path / f"lrsr-{os.getuid()}").symlink_to("theirs")
+    with pytest.raises(InputError, match="somebody else's: set LRSR_CACHE"):
+        paths.scratch_folder()
+
+
+@pytest.mark.parametrize("base", ["cache", "", "./x"])
+def test_a_relative_cache_home_is_none(base: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("LRSR_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", base)
+    assert paths.cache_folder() == Path("~/.cache/lrsr").expanduser()
+
+
+def test_an_empty_lrsr_cache_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LRSR_CACHE", " ")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert paths.cache_folder() == tmp_path / "lrsr"

@@ -68,3 +68,35 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="file"):
         write_provenance(tmp_path / "file", OmegaConf.create({"seed": 7}))
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        FileNotFoundError(2, "No such file or directory", "git"),
+        subprocess.TimeoutExpired("git", 3),
+        subprocess.CalledProcessError(128, "git", stderr="dubious ownership"),
+    ],
+    ids=["absent", "slow", "anothers"],
+)
+def test_a_git_that_does_not_answer_is_unknown(
+    error: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*args: object, **options: object) -> None:
+        raise error
+
+    monkeypatch.setattr(subprocess, "run", fail)
+    assert git_hash() in {"unknown", "installed"}
+
+
+def test_a_hooks_variables_name_no_other_commit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    commit = checkout(tmp_path, monkeypatch)
+    monkeypatch.setenv("GIT_DIR", "/nowhere")
+    assert commit.startswith(git_hash())
+
+
+def test_a_library_under_another_name_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(provenance, "RECORDED", ("no-such-distribution",))
+    assert versions()["no-such-distribution"] == "unknown"

@@ -1,0 +1,93 @@
+"""Each kind of failure is told as the user's to mend, or as ours."""
+
+import errno
+import os
+
+import pytest
+from hydra.errors import InstantiationException
+from hydra.utils import instantiate
+
+from lrsr.errors import InputError
+from lrsr.failures import explain
+
+
+def caused(error: Exception, cause: Exception) -> Exception:
+    try:
+        raise error from cause
+    except Exception as raised:
+        return raised
+
+
+NUMBERS = (
+    "EACCES EPERM EROFS ENOSPC EDQUOT ENAMETOOLONG ENOTDIR EISDIR EEXIST ENOENT ELOOP EMFILE EIO"
+)
+
+
+@pytest.mark.parametrize("name", NUMBERS.split())
+def test_a_file_that_the_system_refuses_is_the_users_to_mend(name: str) -> None:
+    reason = os.strerror(getattr(errno, name))
+    status, line = explain(OSError(getattr(errno, name), reason, "runs/a b"), [])
+    assert status == 2
+    assert line == f"cannot use runs/a b: {reason}; mend that or choose another"
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        OSError(errno.ENOSPC, "No space left on device"),
+        RuntimeError("basic_ios::clear: iostream error"),
+        RuntimeError("PytorchStreamWriter failed writing file data/0"),
+        caused(RuntimeError("plot"), OSError(errno.ENOSPC, "No space left on device")),
+    ],
+    ids=repr,
+)
+def test_a_full_disk_is_told_whoever_wrote(error: Exception) -> None:
+    status, line = explain(error, [])
+    assert status == 2
+    assert "space" in line
+
+
+def test_torchs_second_error_does_not_hide_the_full_disk() -> None:
+    error = RuntimeError("unexpected pos 64 vs 0")
+    error.__context__ = RuntimeError("basic_ios::clear: iostream error")
+    assert explain(error, [])[0] == 2
+
+
+@pytest.mark.parametrize(
+    "error", [OSError("nothing of a file"), ConnectionError(), RuntimeError("x"), TypeError("x")]
+)
+def test_the_rest_is_ours(error: Exception) -> None:
+    status, line = explain(error, ["out=x"])
+    assert status == 1
+    assert line.startswith("a fault of ours: ")
+
+
+def not_built(**given: object) -> InstantiationException:
+    with pytest.raises(InstantiationException) as refused:
+        instantiate({"part": {"_target_": "lrsr.errors.InputError", **given}})
+    return refused.value
+
+
+def test_an_input_error_inside_a_part_is_told_as_it_is() -> None:
+    error = caused(
+        InstantiationException("x\nfull_key: part"), InputError("f_number=0: wanted > 0")
+    )
+    assert explain(error, []) == (2, "f_number=0: wanted > 0")
+
+
+@pytest.mark.parametrize("word", ["part=FILE.yaml", "+part.wrong=1", "part.wrong=1"])
+def test_a_part_that_the_user_has_touched_is_the_users(word: str) -> None:
+    status, line = explain(not_built(wrong=1), [word])
+    assert status == 2
+    assert "part" in line
+
+
+def test_a_part_that_the_user_has_not_touched_is_ours() -> None:
+    assert explain(not_built(wrong=1), ["seed=1", "partial=2"])[0] == 1
+
+
+def test_a_wrong_field_is_named_with_the_known_ones() -> None:
+    with pytest.raises(InstantiationException) as refused:
+        instantiate({"word": {"_target_": "lrsr.overrides.Overrides", "comand": "x"}})
+    status, line = explain(refused.value, ["word.comand=x"])
+    assert (status, line) == (2, "no setting 'word.comand': word has command, folders, sweep")
