@@ -30,9 +30,12 @@ def check_images(images: torch.Tensor, *, channels: int = 3, name: str = "images
     """Return ``images`` unchanged if they are ``(B, channels, H, W)`` float32 and finite.
 
     Raises:
-        ImageContractError: Wrong number of dimensions, channels, an empty side, or another dtype.
+        ImageContractError: No tensor, wrong number of dimensions or channels, an empty side, or
+            another dtype.
         NonFiniteError: A NaN or an infinity; the message says where the first one is.
     """
+    if not isinstance(images, torch.Tensor):
+        raise ImageContractError(f"{name}: got {type(images).__name__}, wanted a torch.Tensor")
     if images.ndim != 4 or images.shape[1] != channels or 0 in images.shape:
         raise ImageContractError(
             f"{name}: got shape {tuple(images.shape)}, wanted (B, {channels}, H, W)"

@@ -18,10 +18,15 @@ ORDER = (
     "data",
     "sr",
     "recognition",
+    "calibration",
     "evaluation",
     "experiments",
 )
-FORBIDDEN = {"evaluation": {"rendering", "sr"}, "recognition": {"rendering", "sr"}}
+FORBIDDEN = {
+    "camera": {"rendering", "identities"},
+    "evaluation": {"rendering", "sr"},
+    "recognition": {"rendering", "sr"},
+}
 HOMES = {
     "mitsuba": {"rendering"},
     "drjit": {"rendering"},
