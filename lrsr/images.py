@@ -34,7 +34,8 @@ def check_images(images: torch.Tensor, *, channels: int = 3, name: str = "images
     """Return ``images`` unchanged if they are ``(B, channels, H, W)`` float32 and finite.
 
     Raises:
-        ImageContractError: Wrong number of dimensions, channels, an empty side, or another dtype.
+        ImageContractError: No tensor, wrong number of dimensions or channels, an empty side, or
+            another dtype.
         NonFiniteError: A NaN or an infinity; the message says where the first one is.
     """
     shape, dtype = tuple(getattr(images, "shape", ())), getattr(images, "dtype", type(images))

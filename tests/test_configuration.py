@@ -7,8 +7,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from lrsr.configuration import (
-    LIMITS,
-    check_limits,
+    LARGEST_SEED,
     flag,
     number,
     numbered,
@@ -16,12 +15,12 @@ from lrsr.configuration import (
     require,
     run_folder,
     section,
+    seed_of,
     whole_number,
     whole_numbers,
     words,
 )
 from lrsr.errors import InputError
-from lrsr.identities.splits import LARGEST_INDEX
 
 
 @dataclass(frozen=True)
@@ -94,29 +93,21 @@ def test_require_lets_the_good_pass() -> None:
     require(True, "seed", 0, "at least 0")
 
 
-@pytest.mark.parametrize("key", LIMITS)
-def test_what_every_command_is_given_has_one_range(key: str) -> None:
-    _, low, high = LIMITS[key]
-    outer, _, inner = key.rpartition(".")
-    for value in (low, high, [low, high]):
-        check_limits(config(**({outer: {inner: value}} if outer else {inner: value})))
-    for value in (low - 1, high + 1, [low, high + 1], -(10**400), 10**400, "x", True, [], "1"):
-        with pytest.raises(InputError, match=f"{key}=.*: wanted a"):
-            check_limits(config(**({outer: {inner: value}} if outer else {inner: value})))
+@pytest.mark.parametrize("seed", [0, 7, LARGEST_SEED])
+def test_a_seed_is_any_32_bits(seed: int) -> None:
+    assert seed_of(config(seed=seed)) == seed
 
 
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
+@pytest.mark.parametrize("seed", [-1, LARGEST_SEED + 1, 10**400, "7", 0.5, True, None, []])
+def test_every_other_seed_is_refused(seed: object) -> None:
+    with pytest.raises(InputError, match=r"seed=.*: wanted (0 to 4294967295|a whole number)"):
+        seed_of(config(seed=seed))
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf"), 10**400])
 def test_numbers_are_finite(value: float) -> None:
-    with pytest.raises(InputError, match="ipd_px=.*: wanted a finite number"):
-        check_limits(config(ipd_px=value))
-
-
-def test_limits_are_for_what_is_there() -> None:
-    check_limits(config(ipd_px=None, seed="???", identities=None))
-
-
-def test_the_last_of_the_most_people_has_a_seed() -> None:
-    assert LIMITS["identities.start"][2] + LIMITS["identities.count"][2] <= LARGEST_INDEX
+    with pytest.raises(InputError, match=r"ipd_px=.*: wanted a number"):
+        numbers(config(ipd_px=value), "ipd_px")
 
 
 def test_a_flag_is_true_or_false() -> None:

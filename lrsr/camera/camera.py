@@ -185,7 +185,8 @@ class Camera(nn.Module):
         """
         if self.noisy and seeds is None:
             raise InputError(f"camera {self.name!r} is noisy: give seeds, one for each image")
-        channels = linear.shape[1] if spectrum is not None and linear.ndim == 4 else 3
+        bands = spectrum is not None and getattr(linear, "ndim", 0) == 4
+        channels = linear.shape[1] if bands else 3
         seen = self.see(check_images(linear, channels=channels, name="linear"), spectrum)
         light = self.gather(expose(seen, metered, self.exposure_ev))
         count = 1 if self.stored is None else self.stored.frames

@@ -38,6 +38,8 @@ def expose(linear: torch.Tensor, metered: torch.Tensor, exposure_ev: float = 0.0
         tensor([0.9000, 0.9000, 0.9000])
     """
     check_images(linear, name="linear")
+    if not isinstance(metered, torch.Tensor):
+        raise ImageContractError(f"metered: got {type(metered)}, wanted a torch.Tensor")
     if metered.shape != (len(linear),):
         raise ImageContractError(
             f"metered: got shape {tuple(metered.shape)}, wanted ({len(linear)},)"

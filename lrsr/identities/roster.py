@@ -28,6 +28,9 @@ from lrsr.identities.splits import LARGEST_INDEX, SPLITS, Split
 
 FORMAT = 1
 
+MOST_PEOPLE = 10**6
+"""Of one command."""
+
 
 @dataclass(frozen=True)
 class Roster:
@@ -153,7 +156,8 @@ class IdentityRange:
             object.__setattr__(self, name, tuple(getattr(self, name)))
         require(self.split in SPLITS, "identities.split", self.split, f"one of {', '.join(SPLITS)}")
         last = LARGEST_INDEX - self.count + 1
-        require(1 <= self.count <= LARGEST_INDEX, "identities.count", self.count, "at least 1")
+        require(self.count >= 1, "identities.count", self.count, "at least 1")
+        require(self.count <= MOST_PEOPLE, "identities.count", self.count, f"at most {MOST_PEOPLE}")
         require(0 <= self.start <= last, "identities.start", self.start, f"0 to {last}")
         roster = self.cast.roster
         if roster is not None:

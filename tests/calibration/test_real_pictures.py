@@ -156,8 +156,8 @@ def test_fewer_different_pictures_than_the_least_are_refused_by_their_copies(twe
         (twenty / f"{k:02d}.png").write_bytes((twenty / "19.png").read_bytes())
     with pytest.raises(
         InputError,
-        match=r"holds 16 different pictures, since 4 of 20 pictures are copies \(01\.png of 00\.png, "
-        r"02\.png of 00\.png, 03\.png of 00\.png, \.\.\.\): give at least 20",
+        match=r"holds 16 different pictures, since 4 of 20 pictures are copies \(01\.png of "
+        r"00\.png, 02\.png of 00\.png, 03\.png of 00\.png, \.\.\.\): give at least 20",
     ):
         read_real_pictures(twenty, 20)
 

@@ -108,6 +108,14 @@ def test_unknown_settings_are_refused_with_the_choice() -> None:
         Camera().compressing("much")
 
 
+def test_light_from_another_lens_is_refused_by_a_camera_with_one() -> None:
+    camera = full()
+    camera.check_lens("pinhole", pinhole=True)
+    Camera().check_lens("thin", pinhole=False)
+    with pytest.raises(InputError, match=r"lens=thin camera=full: two lenses.*lens=pinhole, or a"):
+        camera.check_lens("thin", pinhole=False)
+
+
 def test_broken_light_is_refused() -> None:
     with pytest.raises(ImageContractError, match="metered: got shape"):
         Camera()(light(2), torch.ones(3))
@@ -256,9 +264,10 @@ def test_points_of_the_film_move_onto_the_picture() -> None:
 
 
 def test_another_compression_keeps_every_stage() -> None:
-    heavy = full().compressing("heavy")
+    camera = full()
+    heavy = camera.compressing("heavy")
     assert heavy.compression == "heavy"
-    assert heavy.compressing("none")._stages() == full(**heavy._stages())._stages()
+    assert all(getattr(heavy, stage) is getattr(camera, stage) for stage in STAGES)
     assert (heavy.supersampling, heavy.origin_px, heavy.name) == (2, (3, 5), "full")
     once = heavy.compressing("none")(light(), torch.ones(2), [1, 2])
     assert torch.equal(once, full()(light(), torch.ones(2), [1, 2]))

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lrsr.camera.checks import check_light, check_origin, check_setting
+from lrsr.camera.checks import check_light, check_origin, check_setting, check_srgb
 from lrsr.errors import ImageContractError, InputError
 
 
@@ -35,3 +35,17 @@ def test_an_origin_is_two_whole_numbers(origin_px: tuple[int, int]) -> None:
     assert check_origin((3.0, 0)) == (3, 0)  # as configurations may write it
     with pytest.raises(InputError, match=r"origin_px=.*: wanted two whole numbers"):
         check_origin(origin_px)
+
+
+def test_pictures_of_another_range_are_refused_with_the_wanted_one() -> None:
+    srgb = torch.rand(1, 3, 4, 4)
+    assert check_srgb(srgb) is srgb
+    for wrong in (255 * srgb + 2, srgb - 1.5, srgb / 0):
+        with pytest.raises(ImageContractError, match=r"srgb: got values from .*, wanted \[0, 1\]"):
+            check_srgb(wrong)
+
+
+@pytest.mark.parametrize("dtype", [torch.float16, torch.bfloat16])
+def test_half_precision_is_refused(dtype: torch.dtype) -> None:
+    with pytest.raises(ImageContractError, match=f"linear: got {dtype}, wanted floating point of"):
+        check_light(torch.zeros(1, 3, 2, 2, dtype=dtype))
