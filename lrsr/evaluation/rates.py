@@ -178,7 +178,7 @@ class Rates:
         if self._targets:
             self._highest.add(tile.impostors)
         self._ranks.append(self._rank(tile))
-        self._failed += tile.absent.all(axis=1).tolist()
+        self._failed.extend(np.atleast_1d(tile.absent.all(axis=1)))
 
     @property
     def fta(self) -> float:
