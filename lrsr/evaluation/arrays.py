@@ -1,7 +1,5 @@
 """Whose numbers are these? Lists, tensors and arrays of any origin become plain NumPy arrays."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

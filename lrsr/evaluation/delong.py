@@ -10,8 +10,6 @@ stays below one half. The pairs are taken as independent; where persons occur in
 pairs, use :mod:`lrsr.evaluation.subjects`.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from fractions import Fraction
@@ -22,7 +20,8 @@ from scipy.special import log_ndtr, ndtri
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.arrays import check_scores
-from lrsr.evaluation.placements import BLOCK, Counts, Genuine, Ints, class_placements, count
+from lrsr.evaluation.placements import BLOCK, Ints, Placements, class_placements, place
+from lrsr.evaluation.scores import ScoreSource
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ def measure_auc(genuine: ArrayLike, impostor: ArrayLike) -> float:
         >>> measure_auc([2, 3], [1, 2])
         0.875
     """
-    return auc_of_counts(count(genuine, impostor))
+    return float(_area(place(genuine, impostor)))
 
 
 def estimate_auc(genuine: ArrayLike, impostor: ArrayLike, level: float = 0.95) -> AucEstimate:
@@ -137,26 +136,38 @@ def estimate_auc(genuine: ArrayLike, impostor: ArrayLike, level: float = 0.95) -
     """
     genuine = check_scores(genuine, "genuine", at_least=2)
     impostor = check_scores(impostor, "impostor", at_least=2)
-    return estimate_auc_from_counts(count(genuine, impostor), level)
+    return estimate_auc_of(place(genuine, impostor), level)
 
 
-def auc_of_counts(counts: Counts) -> float:
-    """Return the area under the ROC curve of scores that were counted, one of each kind or more."""
-    doubled = int((counts.ties * counts.genuine_placements).sum())
-    return float(Fraction(doubled, 2 * counts.n_genuine * counts.n_impostor))
+def stream_auc(source: ScoreSource, level: float = 0.95) -> AucEstimate:
+    """Estimate the area as :func:`estimate_auc`, of scores that are never held all at once.
+
+    Args:
+        source: Probes × gallery, e.g. :class:`lrsr.evaluation.scores.CosineScores`.
+        level: Confidence level of the intervals, in (0, 1).
+
+    Raises:
+        ScoreError: Fewer than two genuine or impostor scores, or a level outside (0, 1).
+    """
+    placements = Placements(source.genuine())
+    for tile in source.tiles():
+        placements.count(placements.classes(tile.impostors))
+    return estimate_auc_of(placements, level)
 
 
-def estimate_auc_from_counts(counts: Counts, level: float = 0.95) -> AucEstimate:
-    """Estimate the area from counts, e.g. those of scores that were never stored.
+def estimate_auc_of(placements: Placements, level: float = 0.95) -> AucEstimate:
+    """Estimate the area as :func:`estimate_auc`, of impostor scores that were counted.
 
     Raises:
         ScoreError: Fewer than two scores of a kind, or a level outside (0, 1).
     """
-    m, n = counts.n_genuine, counts.n_impostor
+    m, n = placements.genuine.size, placements.n_impostor
     _check_numbers(m, n)
-    variance = _variance_of_mean(counts.genuine_placements, counts.ties) / (2 * n) ** 2
-    variance += _variance_of_mean(class_placements(counts.ties), counts.sizes) / (2 * m) ** 2
-    return auc_interval(auc_of_counts(counts), math.sqrt(variance), m, n, level)
+    beats = placements.lo + placements.hi
+    variance = _variance_of_mean(beats, placements.ties) / (2 * n) ** 2
+    by_class = class_placements(placements.ties)
+    variance += _variance_of_mean(by_class, placements.sizes) / (2 * m) ** 2
+    return auc_interval(float(_area(placements)), math.sqrt(variance), m, n, level)
 
 
 def auc_interval(
@@ -225,31 +236,29 @@ def compare_aucs(
         >>> round(result.difference, 4), round(result.p, 3)
         (0.1667, 0.386)
     """
-    normal_quantile(level)
-    sides = [
-        (
-            check_scores(genuine, f"{name} genuine", at_least=2),
-            check_scores(impostor, f"{name} impostor", at_least=2),
-        )
-        for name, genuine, impostor in (("a", genuine_a, impostor_a), ("b", genuine_b, impostor_b))
-    ]
-    (genuine_a, impostor_a), (genuine_b, impostor_b) = sides
-    for kind, a, b in (("genuine", genuine_a, genuine_b), ("impostor", impostor_a, impostor_b)):
-        if a.size != b.size:
+    placements, impostors = [], []
+    for name, genuine, impostor in (("a", genuine_a, impostor_a), ("b", genuine_b, impostor_b)):
+        placements.append(Placements(check_scores(genuine, f"{name} genuine", at_least=2)))
+        impostors.append(check_scores(impostor, f"{name} impostor", at_least=2))
+    (a, b), n = placements, impostors[0].size
+    for kind, of_a, of_b in (
+        ("genuine", a.genuine.size, b.genuine.size),
+        ("impostor", n, impostors[1].size),
+    ):
+        if of_a != of_b:
             raise ScoreError(
-                f"{a.size} {kind} scores of a against {b.size} of b: "
+                f"{of_a} {kind} scores of a against {of_b} of b: "
                 "a paired test wants the same pairs in the same order"
             )
-    one, two = Genuine(genuine_a), Genuine(genuine_b)
-    counts_a, counts_b, sums = one.no_counts(), two.no_counts(), DifferenceSums()
-    for start in range(0, impostor_a.size, BLOCK):
-        part = slice(start, start + BLOCK)
-        classes_a = one.classes(impostor_a[part], start)
-        classes_b = two.classes(impostor_b[part], start)
-        counts_a += one.counts(classes_a)
-        counts_b += two.counts(classes_b)
-        sums.add(one.placements(classes_a), two.placements(classes_b))
-    return sums.compare(one.beats(counts_a), two.beats(counts_b), impostor_a.size, level)
+    sums = DifferenceSums()
+    for start in range(0, n, BLOCK):
+        parts = []
+        for side, impostor in zip(placements, impostors, strict=True):
+            classes = side.classes(impostor[start : start + BLOCK], start)
+            side.count(classes)
+            parts.append(side.of_impostor(classes))
+        sums.add(*parts)
+    return sums.compare(a, b, level)
 
 
 @dataclass
@@ -269,26 +278,26 @@ class DifferenceSums:
         shift = (placements_a - placements_b).reshape(-1)
         self.total += int(shift.sum())
         # As many squares at once as int64 surely holds.
-        step = max(1, (1 << 62) // max(1, int(np.abs(shift).max(initial=0))) ** 2)
+        largest = max(1, int(shift.max(initial=0)), -int(shift.min(initial=0)))
+        step = max(1, (1 << 62) // largest**2)
         for start in range(0, shift.size, step):
             part = shift[start : start + step]
             self.squares += int(np.dot(part, part))
 
-    def compare(self, beats_a: Ints, beats_b: Ints, n: int, level: float = 0.95) -> AucComparison:
-        """Test for a difference, once all impostor scores were taken.
+    def compare(self, a: Placements, b: Placements, level: float = 0.95) -> AucComparison:
+        """Test for a difference, once all impostor scores of both were taken and counted.
 
         Args:
-            beats_a: ``(m,)`` what each genuine score of a beats; see :meth:`Genuine.beats`.
-            beats_b: ``(m,)`` the same of b, in the same order.
-            n: How many impostor scores there were.
+            a: Of one method.
+            b: Of the other, its genuine scores in the same order.
             level: Confidence level of the interval of the difference.
 
         Raises:
             ScoreError: Fewer than two scores of a kind, or a level outside (0, 1).
         """
-        quantile, m = normal_quantile(level), beats_a.size
+        quantile, m, n = normal_quantile(level), a.genuine.size, a.n_impostor
         _check_numbers(m, n)
-        shift = beats_a - beats_b
+        shift = a.of_genuine - b.of_genuine
         # The sum over genuine placements and that over impostor placements are both 2 m n AUC.
         difference = float(Fraction(int(shift.sum()), 2 * m * n))
         variance = _variance_of_mean(shift, np.ones_like(shift)) / (2 * n) ** 2
@@ -312,6 +321,11 @@ def _compare(difference: float, std: float, quantile: float, level: float) -> Au
         level=level,
         degenerate=std == 0,
     )
+
+
+def _area(placements: Placements) -> Fraction:
+    doubled = int((placements.ties * (placements.lo + placements.hi)).sum())
+    return Fraction(doubled, 2 * placements.genuine.size * placements.n_impostor)
 
 
 def _check_numbers(m: int, n: int) -> None:

@@ -1,7 +1,5 @@
 """Which differences remain when several tests were made at once?"""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lrsr.errors import ScoreError

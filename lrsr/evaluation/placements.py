@@ -11,9 +11,6 @@ in one class, so its scores need no comparison; those that share a bin with a va
 with it, and the few that share it with several values are found by bisection.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from lrsr.evaluation.arrays import Array, check_finite, check_scores, to_common
 
 Ints = NDArray[np.int64]
+Classes = NDArray[np.signedinteger[Any]]
 
 BLOCK = 1 << 16
 """Scores handled at once: what stays near a core with its temporaries (1 MiB)."""
@@ -29,28 +27,41 @@ _BINS_PER_VALUE = 24
 _MOST_BINS = 1 << 17
 
 
-@dataclass(frozen=True)
-class Counts:
-    """How many impostor scores lie in each class.
+class Placements:
+    """Fixed genuine scores, and how many impostor scores were found in each class so far.
+
+    Args:
+        genuine: ``(m,)`` genuine scores, at least one; float32, float64 or integers.
 
     Attributes:
-        values: ``(k,)`` distinct genuine scores, rising.
-        ties: ``(k,)`` how many genuine scores have that value, >= 1.
+        genuine: ``(m,)`` as given.
+        values: ``(k,)`` distinct, rising; in the widest dtype that was compared so far.
+        ties: ``(k,)`` how many genuine scores have that value.
         sizes: ``(2k+1,)`` impostor scores in each class.
+
+    Raises:
+        ScoreError: No genuine score, a dtype that is not real, or a NaN or an infinity.
+
+    Example:
+        >>> placements = Placements([1.0, 2.0])
+        >>> classes = placements.classes(np.array([[0.0, 1.0], [1.5, 3.0]]))
+        >>> placements.count(classes)
+        >>> classes.tolist(), placements.lo.tolist(), placements.hi.tolist()
+        ([[0, 1], [2, 4]], [1, 3], [2, 3])
     """
 
-    values: Array
-    ties: Ints
-    sizes: Ints
-
-    @property
-    def n_genuine(self) -> int:
-        """How many genuine scores there are."""
-        return int(self.ties.sum())
+    def __init__(self, genuine: ArrayLike) -> None:
+        self.genuine = check_scores(genuine, "genuine")
+        check_finite(self.genuine, "genuine")
+        self.values, ties = np.unique(self.genuine, return_counts=True)
+        self.ties: Ints = ties.astype(np.int64)
+        self.sizes: Ints = np.zeros(2 * ties.size + 1, dtype=np.int64)
+        self._kind = np.int16 if self.sizes.size <= np.iinfo(np.int16).max else np.int32
+        self._table: _Table | None = None
 
     @property
     def n_impostor(self) -> int:
-        """How many impostor scores there are."""
+        """How many impostor scores were counted."""
         return int(self.sizes.sum())
 
     @property
@@ -63,14 +74,70 @@ class Counts:
         """``(k,)`` impostor scores at or below each value."""
         return np.cumsum(self.sizes)[1::2]
 
-    def __add__(self, more: Counts) -> Counts:
-        """Add the impostor scores of another part, counted among the same genuine scores."""
-        return replace(more, sizes=self.sizes + more.sizes)
+    @property
+    def own_classes(self) -> Ints:
+        """``(m,)`` the class of each genuine score itself; odd."""
+        return 2 * np.searchsorted(self.values, self.genuine) + 1
 
     @property
-    def genuine_placements(self) -> Ints:
-        """``(k,)`` twice the impostor scores that a genuine score beats, ties as one half."""
-        return self.lo + self.hi
+    def of_genuine(self) -> Ints:
+        """``(m,)`` twice the impostor scores that each genuine score beats, ties as one half."""
+        placements: Ints = (self.lo + self.hi)[self.own_classes >> 1]
+        return placements
+
+    def of_impostor(self, classes: Classes) -> Ints:
+        """Return twice the genuine scores above each impostor score, ties as one half."""
+        placements: Ints = class_placements(self.ties)[classes]
+        return placements
+
+    def classes(self, impostor: Array, start: int = 0) -> Classes:
+        """Return the class of each score, in the shape given.
+
+        Args:
+            impostor: Any shape, float32, float64 or integers.
+            start: Index of the first of them, for the message.
+
+        Raises:
+            ScoreError: A NaN, an infinity, or integers too large to be compared with fractions.
+        """
+        flat = impostor.reshape(-1)
+        classes: Classes = np.empty(flat.size, dtype=self._kind)
+        for first in range(0, flat.size, BLOCK):
+            block = flat[first : first + BLOCK]
+            check_finite(block, "impostor", start + first)
+            block, values = to_common(block, self.values)
+            if self._table is None or values.dtype != self._table.values.dtype:
+                self.values, self._table = values, _Table(values, self._kind)
+            classes[first : first + BLOCK] = self._table.classify(block)
+        return classes.reshape(impostor.shape)
+
+    def count(self, classes: Classes) -> None:
+        """Count impostor scores of these classes."""
+        self.sizes += np.bincount(classes.reshape(-1), minlength=self.sizes.size)
+
+
+def place(genuine: ArrayLike, impostor: ArrayLike) -> Placements:
+    """Count all impostor scores among the genuine ones.
+
+    Args:
+        genuine: ``(m,)``, m >= 1.
+        impostor: ``(n,)``, n >= 1.
+
+    Raises:
+        ScoreError: A side is empty, a score is not finite, or a dtype is not real.
+    """
+    placements, scores = Placements(genuine), check_scores(impostor, "impostor")
+    for start in range(0, scores.size, BLOCK):
+        block = scores[start : start + BLOCK]
+        below = block < placements.values[:1]
+        number = int(np.count_nonzero(below))
+        if 2 * number > block.size and block.dtype == placements.values.dtype:
+            # Of a good recogniser most lie below all genuine scores, and need only be counted.
+            check_finite(block, "impostor", start)
+            placements.sizes[0] += number
+            block = block[np.flatnonzero(~below)]
+        placements.count(placements.classes(block, start))
+    return placements
 
 
 def class_placements(ties: Ints) -> Ints:
@@ -81,85 +148,8 @@ def class_placements(ties: Ints) -> Ints:
         [6, 5, 4, 2, 0]
     """
     beaten = np.zeros(2 * ties.size + 1, dtype=np.int64)
-    beaten[1::2] = ties
-    beaten[2::2] = ties
+    beaten[1::2] = beaten[2::2] = ties
     return 2 * int(ties.sum()) - np.cumsum(beaten)
-
-
-class Genuine:
-    """Fixed genuine scores, among which others are placed.
-
-    Args:
-        genuine: ``(m,)`` genuine scores, at least one; float32, float64 or integers.
-
-    Attributes:
-        scores: ``(m,)`` as given.
-        values: ``(k,)`` distinct, rising; in the widest dtype that was compared so far.
-        ties: ``(k,)`` how many of the scores have that value.
-
-    Raises:
-        ScoreError: No genuine score, a dtype that is not real, or a NaN or an infinity.
-
-    Example:
-        >>> genuine = Genuine([1.0, 2.0])
-        >>> genuine.classes(np.array([[0.0, 1.0], [1.5, 3.0]])).tolist()
-        [[0, 1], [2, 4]]
-    """
-
-    def __init__(self, genuine: ArrayLike) -> None:
-        self.scores = check_scores(genuine, "genuine")
-        check_finite(self.scores, "genuine")
-        self.values, ties = np.unique(self.scores, return_counts=True)
-        self.ties: Ints = ties.astype(np.int64)
-        small = np.iinfo(np.int16).max
-        self._kind = np.int16 if 2 * self.values.size <= small else np.int32
-        self._table: _Table | None = None
-
-    def classes(self, impostor: Array, start: int = 0) -> NDArray[Any]:
-        """Return the class of each score, in the shape given, as int16 or int32.
-
-        Args:
-            impostor: Any shape, float32, float64 or integers.
-            start: Index of the first of them, for the message.
-
-        Raises:
-            ScoreError: A NaN, an infinity, or integers too large to be compared with fractions.
-        """
-        flat = impostor.reshape(-1)
-        classes = np.empty(flat.size, dtype=self._kind)
-        step = max(BLOCK, 4 * self.values.size)
-        for first in range(0, flat.size, step):
-            block = flat[first : first + step]
-            check_finite(block, "impostor", start + first)
-            block, values = to_common(block, self.values)
-            if self._table is None or values.dtype != self._table.values.dtype:
-                self.values, self._table = values, _Table(values, self._kind)
-            classes[first : first + step] = self._table.classify(block)
-        return classes.reshape(impostor.shape)
-
-    @property
-    def own_classes(self) -> Ints:
-        """``(m,)`` the class of each genuine score itself; odd."""
-        return 2 * np.searchsorted(self.values, self.scores) + 1
-
-    def counts(self, classes: NDArray[Any]) -> Counts:
-        """Count how many impostor scores have each class."""
-        sizes = np.bincount(classes.reshape(-1), minlength=2 * self.values.size + 1)
-        return Counts(self.values, self.ties, sizes.astype(np.int64, copy=False))
-
-    def no_counts(self) -> Counts:
-        """Return the counts before any impostor score was seen."""
-        return self.counts(np.zeros(0, dtype=self._kind))
-
-    def beats(self, counts: Counts) -> Ints:
-        """Return twice the impostor scores that each genuine score beats, ties as one half."""
-        placements: Ints = counts.genuine_placements[self.own_classes >> 1]
-        return placements
-
-    def placements(self, classes: NDArray[Any]) -> Ints:
-        """Return twice the genuine scores above each impostor score, ties as one half."""
-        placements: Ints = class_placements(self.ties)[classes]
-        return placements
 
 
 class _Table:
@@ -193,7 +183,7 @@ class _Table:
         bins = self._bins(values)
         occupied = np.bincount(bins, minlength=size)
         below = np.cumsum(occupied) - occupied
-        self.class_of_bin: NDArray[Any] = (2 * below + (occupied > 0)).astype(kind)
+        self.class_of_bin: Classes = (2 * below + (occupied > 0)).astype(kind)
         # Whether the next value shares the bin of each: then being above a value is not enough.
         self.crowded = np.append(bins[1:] == bins[:-1], False)
 
@@ -203,7 +193,7 @@ class _Table:
         place *= self.per_unit
         return place.astype(np.int32)
 
-    def classify(self, scores: Array) -> NDArray[Any]:
+    def classify(self, scores: Array) -> Classes:
         """Return the class of each score ``(n,)``, finite and of the dtype of the values."""
         classes = self.class_of_bin.take(self._bins(scores), mode="clip")
         close = (classes & 1).astype(np.bool_)
@@ -218,20 +208,3 @@ class _Table:
         moved[again] = 2 * left + (self.values.take(left, mode="clip") == apart[again])
         classes[where] = moved
         return classes
-
-
-def count(genuine: ArrayLike, impostor: ArrayLike) -> Counts:
-    """Count the impostor scores in each class.
-
-    Args:
-        genuine: ``(m,)``, m >= 1.
-        impostor: ``(n,)``, n >= 1.
-
-    Raises:
-        ScoreError: A side is empty, a score is not finite, or a dtype is not real.
-    """
-    among, scores = Genuine(genuine), check_scores(impostor, "impostor")
-    counts = among.no_counts()
-    for start in range(0, scores.size, BLOCK):
-        counts += among.counts(among.classes(scores[start : start + BLOCK], start))
-    return counts

@@ -6,8 +6,6 @@ pixels, usually the scale, are cut from each side; the peak is 1. Full range rea
 the 8-bit quantisation is the camera's affair and has happened, or not, before.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -1,12 +1,11 @@
 """How often does recognition err at a stated threshold, and how often is the right person first?
 
-Terms of ISO/IEC 19795-1. A comparison matches when its score is at or above the threshold. Of each
-measure there is a part that takes all scores at once and one that is fed tile after tile.
+Terms of ISO/IEC 19795-1. A comparison matches when its score is at or above the threshold. The
+functions take all scores at once; :class:`Rates` is fed tile after tile and measures the same.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -20,7 +19,7 @@ from lrsr.evaluation.placements import Ints
 from lrsr.evaluation.roc import RocCurve, wilson_interval
 from lrsr.evaluation.scores import ScoreSource, Tile
 
-FEW_FALSE_MATCHES = 10
+_FEW_FALSE_MATCHES = 10
 """Below so many expected false matches an FMR is too uncertain to set a threshold by."""
 
 
@@ -100,107 +99,7 @@ def fnmr_at_fmr(
     genuine, impostor = check_scores(genuine, "genuine"), check_scores(impostor, "impostor")
     check_finite(genuine, "genuine")
     check_finite(impostor, "impostor")
-    return operating_point(genuine, impostor, impostor.size, target_fmr, level)
-
-
-def allowed_false_matches(target_fmr: float, n_impostor: int) -> int:
-    """Return how many false matches a target lets pass: its share, rounded down, exactly.
-
-    Args:
-        target_fmr: [0, 1], taken as the decimal fraction it is written as.
-        n_impostor: Impostor scores.
-
-    Raises:
-        ScoreError: The target lies outside [0, 1].
-
-    Example:
-        >>> allowed_false_matches(0.3, 10)
-        3
-    """
-    if not 0 <= target_fmr <= 1:
-        raise ScoreError(f"target FMR {target_fmr}: wanted a number from 0 to 1")
-    return math.floor(Fraction(str(float(target_fmr))) * n_impostor)
-
-
-def operating_point(
-    genuine: Array, highest: Array, n_impostor: int, target_fmr: float, level: float = 0.95
-) -> OperatingPoint:
-    """Measure as :func:`fnmr_at_fmr`, knowing only the highest impostor scores.
-
-    Args:
-        genuine: ``(m,)`` finite genuine scores.
-        highest: ``(h,)`` the highest impostor scores in any order, more than the target lets pass,
-            or all of them.
-        n_impostor: How many impostor scores there are altogether.
-        target_fmr: [0, 1].
-        level: Confidence level of the interval.
-
-    Raises:
-        ScoreError: The target lies outside [0, 1], or the level outside (0, 1).
-    """
-    genuine, highest = to_common(genuine, highest)
-    allowed = allowed_false_matches(target_fmr, n_impostor)
-    threshold, false_matches, missed = None, n_impostor, 0
-    if allowed < n_impostor:
-        # The highest impostor score that may not be accepted; with its ties it stays outside.
-        place = highest.size - 1 - allowed
-        refused = np.partition(highest, place)[place]
-        # The next number of the scores' own dtype, so that comparing with it rounds nothing.
-        kind = refused.dtype.type if refused.dtype.kind == "f" else np.float64
-        threshold = float(np.nextafter(kind(refused), kind(np.inf)))
-        false_matches = int(np.count_nonzero(highest > refused))
-        missed = int(np.count_nonzero(genuine <= refused))
-    low, high = wilson_interval(missed, genuine.size, level)
-    return OperatingPoint(
-        target_fmr=float(target_fmr),
-        fmr=false_matches / n_impostor,
-        fnmr=missed / genuine.size,
-        fnmr_low=float(low),
-        fnmr_high=float(high),
-        threshold=threshold,
-        false_matches=false_matches,
-        n_genuine=genuine.size,
-        n_impostor=n_impostor,
-        few_false_matches=Fraction(str(float(target_fmr))) * n_impostor < FEW_FALSE_MATCHES,
-    )
-
-
-class Highest:
-    """Keeps the highest of many scores that come in parts; memory for a quarter more than those.
-
-    Args:
-        count: How many are kept, >= 1.
-        dtype: Of the scores.
-
-    Example:
-        >>> highest = Highest(2, np.dtype(int))
-        >>> highest.add(np.array([4, 1, 3]))
-        >>> highest.add(np.array([2, 5]))
-        >>> sorted(highest.scores().tolist())[-2:]
-        [4, 5]
-    """
-
-    def __init__(self, count: int, dtype: np.dtype[Any]) -> None:
-        self._kept = np.empty(count + count // 8 + 1, dtype)
-        self._count, self._start = count, self._kept.size  # filled from the end downwards
-        self._least: Array | None = None
-
-    def add(self, scores: Array) -> None:
-        """Take more scores, ``(n,)``."""
-        if self._least is not None:
-            scores = scores[scores > self._least]
-        while scores.size:
-            part, scores = scores[: self._start], scores[self._start :]
-            self._kept[self._start - part.size : self._start] = part
-            self._start -= part.size
-            if self._start == 0:
-                self._start = self._kept.size - self._count
-                self._kept.partition(self._start)
-                self._least = self._kept[self._start]
-
-    def scores(self) -> Array:
-        """Return at least the highest ``count`` scores so far, or all of them, in any order."""
-        return self._kept[self._start :]
+    return _operating_point(genuine, impostor, impostor.size, target_fmr, level)
 
 
 def equal_error_rate(curve: RocCurve) -> float:
@@ -225,37 +124,6 @@ def equal_error_rate(curve: RocCurve) -> float:
     return x0 if x0 == x1 else min(x0 + y0, x1 + y1) / 2
 
 
-@dataclass
-class Moments:
-    """Number, mean and squared deviations of scores that come in parts (Chan et al., 1979).
-
-    Attributes:
-        n: How many scores.
-        mean: Their mean.
-        squares: Sum of the squared deviations from it.
-    """
-
-    n: int = 0
-    mean: float = 0.0
-    squares: float = 0.0
-
-    def add(self, scores: Array) -> None:
-        """Take more scores, any shape."""
-        if scores.size == 0:
-            return
-        mean = float(scores.mean(dtype=np.float64))
-        apart = np.subtract(scores, mean, dtype=np.float64).reshape(-1)
-        n, shift = self.n + scores.size, mean - self.mean
-        self.squares += float(np.dot(apart, apart)) + shift**2 * self.n * scores.size / n
-        self.mean += shift * scores.size / n
-        self.n = n
-
-    @property
-    def variance(self) -> float:
-        """Sample variance; wants two scores."""
-        return self.squares / (self.n - 1)
-
-
 def d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:
     """Measure the separation of the two score distributions in units of their mean spread.
 
@@ -278,86 +146,188 @@ def d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:
     for scores, name in ((genuine, "genuine"), (impostor, "impostor")):
         checked = check_scores(scores, name, at_least=2)
         check_finite(checked, name)
-        moments.append(Moments())
+        moments.append(_Moments())
         moments[-1].add(checked)
-    return d_prime_of_moments(*moments)
+    return _separation(*moments)
 
 
-def d_prime_of_moments(genuine: Moments, impostor: Moments) -> float:
-    """Measure as :func:`d_prime`, knowing number, mean and variance of each kind, >= 2 scores.
-
-    Raises:
-        ScoreError: Both kinds are without any spread.
-    """
-    spread = (genuine.variance + impostor.variance) / 2
-    if spread == 0:
-        raise ScoreError("all scores of each kind are alike: d' has no unit")
-    return (genuine.mean - impostor.mean) / math.sqrt(spread)
-
-
-class Ranker:
-    """Ranks each probe's person among the persons of the gallery, tile by tile.
-
-    Persons are ordered by their best score. Ties count against the probe, so a constant score ranks
-    last, not first. A gallery image without a score cannot outrank anyone.
+class Rates:
+    """Gathers, tile by tile, what the measures of this module need; memory for the highest scores.
 
     Args:
         source: Who is on the probes and in the gallery.
+        target_fmrs: Where the FNMR will be asked for, each in [0, 1]; may be empty.
 
-    Attributes:
-        n_people: Persons in the gallery.
+    Raises:
+        ScoreError: A target lies outside [0, 1].
     """
 
-    def __init__(self, source: ScoreSource) -> None:
+    def __init__(self, source: ScoreSource, target_fmrs: Collection[float] = ()) -> None:
+        self._targets, self._genuine = target_fmrs, source.genuine()
+        most = len(source.probe_ids) * len(source.gallery_ids) - source.mates[0].size
+        passing = max((_allowed(target, most) for target in target_fmrs), default=-1)
+        self._highest = _Highest(min(most, passing + 1), self._genuine.dtype)
+        self._moments, self._ranks, self._failed = _Moments(), list[Ints](), list[bool]()
         self._probes, gallery, _ = source.codes
         self._people, counts = np.unique(gallery, return_counts=True)
-        self._order = np.argsort(gallery, kind="stable")
-        self._starts = np.cumsum(counts) - counts
-        self.n_people = self._people.size
+        self._order, self._starts = np.argsort(gallery, kind="stable"), np.cumsum(counts) - counts
 
-    def rank(self, tile: Tile) -> Ints:
-        """Return the rank of the person on each of the tile's probes.
+    def add(self, tile: Tile) -> None:
+        """Take the next tile of the source."""
+        self._moments.add(tile.impostors)
+        if self._targets:
+            self._highest.add(tile.impostors)
+        self._ranks.append(self._rank(tile))
+        self._failed.extend(np.atleast_1d(tile.absent.all(axis=1)))
+
+    @property
+    def fta(self) -> float:
+        """Failure-to-acquire rate: the share of probes without any score, [0, 1]."""
+        return sum(self._failed) / len(self._failed)
+
+    def fnmr(self, level: float = 0.95) -> tuple[OperatingPoint, ...]:
+        """Measure as :func:`fnmr_at_fmr` at each target; the source has a genuine score."""
+        highest, n = self._highest.scores(), self._moments.n
+        return tuple(
+            _operating_point(self._genuine, highest, n, target, level) for target in self._targets
+        )
+
+    def d_prime(self) -> float:
+        """Measure as :func:`d_prime`, of two scores of a kind or more.
+
+        Raises:
+            ScoreError: Both kinds are without any spread.
+        """
+        genuine = _Moments()
+        genuine.add(self._genuine)
+        return _separation(genuine, self._moments)
+
+    def ranks(self) -> Ints:
+        """Return the rank of each probe's person among the persons of the gallery.
+
+        Persons are ordered by their best score. Ties count against the probe, so a constant score
+        ranks last, not first. A gallery image without a score cannot outrank anyone.
 
         Returns:
-            ``(r,)`` 1 = first; 0 where the probe or its mate was not acquired, -1 where the gallery
+            ``(P,)`` 1 = first; 0 where the probe or its mate was not acquired, -1 where the gallery
             holds no mate.
         """
-        scores = np.where(np.isnan(tile.scores), -np.inf, tile.scores)
-        best = np.maximum.reduceat(scores[:, self._order], self._starts, axis=1)
+        return np.concatenate(self._ranks)
+
+    def cmc(self) -> CmcCurve:
+        """Measure how often a probe's person is among the first ranks of a closed gallery.
+
+        Raises:
+            ScoreError: No probe has a mate in the gallery.
+        """
+        ranks, last = self.ranks(), self._people.size
+        mated = ranks[ranks >= 0]
+        if mated.size == 0:
+            raise ScoreError("no probe has a mate in the gallery: identification needs one")
+        hits = np.bincount(mated, minlength=last + 1)[1:]
+        return CmcCurve(np.cumsum(hits) / mated.size, mated.size, int(ranks.size - mated.size))
+
+    def _rank(self, tile: Tile) -> Ints:
+        best, columns = tile.filled(-np.inf), self._order
+        if self._people.size < columns.size:  # some have several images
+            best = np.maximum.reduceat(best[:, columns], self._starts, axis=1)
+            columns = np.arange(self._people.size)
         probes = self._probes[tile.rows]
-        column = np.minimum(np.searchsorted(self._people, probes), self._people.size - 1)
-        own = best[np.arange(probes.size), column]
-        ranks = np.count_nonzero(best >= own[:, None], axis=1)
+        person = np.minimum(np.searchsorted(self._people, probes), self._people.size - 1)
+        own = best[np.arange(probes.size), columns[person]]
+        ranks: Ints = np.count_nonzero(best >= own[:, None], axis=1)
         ranks[own == -np.inf] = 0
-        ranks[self._people[column] != probes] = -1
-        return np.asarray(ranks, dtype=np.int64)
+        ranks[self._people[person] != probes] = -1
+        return ranks
 
 
-def cmc(source: ScoreSource, max_rank: int | None = None) -> CmcCurve:
-    """Measure how often a probe's person is among the first ranks of a closed gallery.
-
-    Args:
-        source: P probes × G gallery images.
-        max_rank: Length of the curve; the number of persons in the gallery if None.
+def _allowed(target_fmr: float, n_impostor: int) -> int:
+    """Return how many false matches a target lets pass: the decimal that is written, rounded down.
 
     Raises:
-        ScoreError: No probe has a mate in the gallery, or ``max_rank`` is less than 1.
+        ScoreError: The target lies outside [0, 1].
     """
-    ranker = Ranker(source)
-    ranks = np.concatenate([ranker.rank(tile) for tile in source.tiles()])
-    return cmc_of_ranks(ranks, ranker.n_people if max_rank is None else max_rank)
+    if not 0 <= target_fmr <= 1:
+        raise ScoreError(f"target FMR {target_fmr}: wanted a number from 0 to 1")
+    return math.floor(Fraction(str(float(target_fmr))) * n_impostor)
 
 
-def cmc_of_ranks(ranks: Ints, max_rank: int) -> CmcCurve:
-    """Measure as :func:`cmc`, knowing the rank of each probe; see :meth:`Ranker.rank`.
+def _operating_point(
+    genuine: Array, highest: Array, n_impostor: int, target_fmr: float, level: float
+) -> OperatingPoint:
+    """Measure, knowing of n scores those that the target lets pass and the next, or more."""
+    genuine, highest = to_common(genuine, highest)
+    allowed = _allowed(target_fmr, n_impostor)
+    threshold, false_matches, missed = None, n_impostor, 0
+    if allowed < n_impostor:
+        # The highest impostor score that may not be accepted; with its ties it stays outside.
+        place = highest.size - 1 - allowed
+        refused = np.partition(highest, place)[place]
+        # The next number of the scores' own dtype, so that comparing with it rounds nothing.
+        kind = refused.dtype.type if refused.dtype.kind == "f" else np.float64
+        threshold = float(np.nextafter(kind(refused), kind(np.inf)))
+        false_matches = int(np.count_nonzero(highest > refused))
+        missed = int(np.count_nonzero(genuine <= refused))
+    low, high = wilson_interval(missed, genuine.size, level)
+    return OperatingPoint(
+        target_fmr=float(target_fmr),
+        fmr=false_matches / n_impostor,
+        fnmr=missed / genuine.size,
+        fnmr_low=float(low),
+        fnmr_high=float(high),
+        threshold=threshold,
+        false_matches=false_matches,
+        n_genuine=genuine.size,
+        n_impostor=n_impostor,
+        few_false_matches=Fraction(str(float(target_fmr))) * n_impostor < _FEW_FALSE_MATCHES,
+    )
 
-    Raises:
-        ScoreError: No probe has a mate in the gallery, or ``max_rank`` is less than 1.
-    """
-    mated = ranks[ranks >= 0]
-    if mated.size == 0:
-        raise ScoreError("no probe has a mate in the gallery: identification needs one")
-    if max_rank < 1:
-        raise ScoreError(f"max_rank {max_rank}: wanted at least 1")
-    hits = np.bincount(np.minimum(mated, max_rank + 1), minlength=max_rank + 2)[1:-1]
-    return CmcCurve(np.cumsum(hits) / mated.size, mated.size, int(ranks.size - mated.size))
+
+class _Highest:
+    """Keeps the highest ``count`` of many scores, in memory for an eighth more than those."""
+
+    def __init__(self, count: int, dtype: np.dtype[Any]) -> None:
+        self._kept = np.empty(count + count // 8 + 1, dtype)
+        self._count, self._start = count, self._kept.size  # filled from the end downwards
+        self._least: Array | None = None
+
+    def add(self, scores: Array) -> None:
+        if self._least is not None:
+            scores = scores[scores > self._least]
+        while scores.size:
+            part, scores = scores[: self._start], scores[self._start :]
+            self._kept[self._start - part.size : self._start] = part
+            self._start -= part.size
+            if self._start == 0:
+                self._start = self._kept.size - self._count
+                self._kept.partition(self._start)
+                self._least = self._kept[self._start]
+
+    def scores(self) -> Array:
+        return self._kept[self._start :]
+
+
+@dataclass
+class _Moments:
+    """Number, mean and squared deviations of scores that come in parts (Chan et al., 1979)."""
+
+    n: int = 0
+    mean: float = 0.0
+    squares: float = 0.0
+
+    def add(self, scores: Array) -> None:
+        if scores.size:
+            mean, n = float(scores.mean(dtype=np.float64)), self.n + scores.size
+            apart = scores.astype(np.float64)
+            apart -= mean
+            shift = mean - self.mean
+            self.squares += float(np.dot(apart, apart)) + shift**2 * self.n * scores.size / n
+            self.mean += shift * scores.size / n
+            self.n = n
+
+
+def _separation(genuine: _Moments, impostor: _Moments) -> float:
+    spread = genuine.squares / (genuine.n - 1) + impostor.squares / (impostor.n - 1)
+    if spread == 0:
+        raise ScoreError("all scores of each kind are alike: d' has no unit")
+    return (genuine.mean - impostor.mean) / math.sqrt(spread / 2)

@@ -7,8 +7,6 @@ the curve is flat, with equal false-match rate upright; a slanted piece is a tie
 impostor scores, whose inside no threshold reaches (the area under it is the tie's one half).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -17,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import normal_quantile
-from lrsr.evaluation.placements import Counts, Ints, count
+from lrsr.evaluation.placements import Ints, Placements, place
 
 Floats = NDArray[np.float64]
 
@@ -95,42 +93,36 @@ def trace_roc(genuine: ArrayLike, impostor: ArrayLike) -> RocCurve:
         >>> list(zip(curve.fmr.round(2).tolist(), curve.tmr.tolist()))
         [(0.0, 0.0), (0.0, 0.5), (0.33, 1.0), (1.0, 1.0)]
     """
-    return trace_roc_from_counts(count(genuine, impostor))
+    return trace_roc_of(place(genuine, impostor))
 
 
-def trace_roc_from_counts(counts: Counts) -> RocCurve:
-    """Return every corner of the ROC curve from counts, e.g. of scores that were never stored.
+def trace_roc_of(placements: Placements) -> RocCurve:
+    """Return every corner of the ROC curve of impostor scores that were counted.
 
     Raises:
         ScoreError: No impostor score was counted.
     """
-    if counts.n_impostor == 0:
+    if placements.n_impostor == 0:
         raise ScoreError("0 impostor scores: a curve needs at least 1")
     # Thresholds keep the dtype of the scores, so that comparing them rounds nothing.
-    values = counts.values[::-1]
+    values = placements.values[::-1]
     values = values if values.dtype.kind == "f" else values.astype(np.float64)
-    at = np.cumsum(counts.ties[::-1])
-    thresholds = np.empty(2 * values.size + 2)
-    false_matches = np.empty(thresholds.size, dtype=np.int64)
-    true_matches = np.empty(thresholds.size, dtype=np.int64)
-    thresholds[0], false_matches[0], true_matches[0] = np.inf, 0, 0
-    # Just above a genuine score, then at it.
-    thresholds[1:-1:2] = np.nextafter(values, values.dtype.type(np.inf))
-    false_matches[1:-1:2] = counts.n_impostor - counts.hi[::-1]
-    true_matches[1:-1:2] = at - counts.ties[::-1]
-    thresholds[2:-1:2] = values
-    false_matches[2:-1:2] = counts.n_impostor - counts.lo[::-1]
-    true_matches[2:-1:2] = at
-    thresholds[-1] = -np.inf
-    false_matches[-1], true_matches[-1] = counts.n_impostor, counts.n_genuine
+    thresholds = np.full(2 * values.size + 2, np.inf)
+    thresholds[1:-1:2] = np.nextafter(values, values.dtype.type(np.inf))  # just above, then at it
+    thresholds[2:-1:2], thresholds[-1] = values, -np.inf
+    own = np.zeros_like(placements.sizes)
+    own[1::2] = placements.ties
+    false_matches, true_matches = (
+        np.concatenate(([0], np.cumsum(of_class[::-1]))) for of_class in (placements.sizes, own)
+    )
     keep = np.ones(thresholds.size, dtype=bool)
     keep[1:] = (np.diff(false_matches) > 0) | (np.diff(true_matches) > 0)
     return RocCurve(
         thresholds[keep],
         false_matches[keep],
         true_matches[keep],
-        counts.n_genuine,
-        counts.n_impostor,
+        placements.genuine.size,
+        placements.n_impostor,
     )
 
 

@@ -5,8 +5,6 @@ either. Both hand out rows of the matrix and the scores of the mated pairs, so t
 ten thousand people need never hold the hundred million scores.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -22,8 +20,8 @@ from lrsr.evaluation.arrays import Array, plain_array
 Flags = NDArray[np.bool_]
 Index = NDArray[np.intp]
 
-TILE = 1 << 19
-"""Scores in a tile: 4 MiB of float64, and as much for each temporary."""
+TILE = 1 << 18
+"""Scores in a tile: 2 MiB of float64, and as much for each temporary."""
 _COLUMNS = 2048
 
 
@@ -47,14 +45,23 @@ class Tile:
         return slice(self.first, self.first + len(self.scores))
 
     @cached_property
-    def absent(self) -> Index:
-        """Flat places of the failures to acquire, rising."""
-        return np.flatnonzero(np.isnan(self.scores))
+    def absent(self) -> Flags:
+        """``(r, G)`` where there is no score."""
+        return np.isnan(self.scores)
 
     @cached_property
-    def filled(self) -> Array:
-        """``(r, G)`` the scores, 0 in the place of NaN."""
-        return np.where(np.isnan(self.scores), 0, self.scores) if self.absent.size else self.scores
+    def others(self) -> Index:
+        """Flat places of all that is no impostor score: mates and failures; rising."""
+        return np.union1d(self.mates, np.flatnonzero(self.absent))
+
+    @cached_property
+    def impostors(self) -> Array:
+        """``(n,)`` the impostor scores, row by row."""
+        return np.delete(self.scores, self.others)
+
+    def filled(self, value: float) -> Array:
+        """Return ``(r, G)`` scores with a number in the place of NaN."""
+        return np.where(self.absent, value, self.scores) if self.absent.any() else self.scores
 
 
 class ScoreSource(ABC):
@@ -70,6 +77,10 @@ class ScoreSource(ABC):
     probe_ids: Sequence[str]
     gallery_ids: Sequence[str]
 
+    def __post_init__(self) -> None:
+        for field in ("probe_ids", "gallery_ids"):
+            object.__setattr__(self, field, _identities(getattr(self, field), field))
+
     @abstractmethod
     def rows(self, start: int, stop: int) -> Array:
         """Return rows of the score matrix, ``(stop - start, G)``."""
@@ -77,11 +88,6 @@ class ScoreSource(ABC):
     @abstractmethod
     def mated_scores(self) -> Array:
         """Return the score of each of :attr:`mates`, ``(q,)``, NaN among them."""
-
-    @property
-    @abstractmethod
-    def failed(self) -> Flags:
-        """``(P,)`` which probes have no score with any gallery image."""
 
     @property
     @abstractmethod
@@ -129,12 +135,11 @@ class ScoreSource(ABC):
         scores = self.mated_scores()
         return scores[~np.isnan(scores)]
 
-    @property
-    def fta(self) -> float:
-        """Failure-to-acquire rate: the share of probes without any score, [0, 1]."""
-        return float(np.mean(self.failed))
+    def impostor(self) -> Array:
+        """Return the scores of non-mated pairs ``(n,)``, row by row, without failures."""
+        return np.concatenate([tile.impostors for tile in self.tiles()])
 
-    def check_same_pairs(self, other: ScoreSource, name: str) -> None:
+    def check_same_pairs(self, other: "ScoreSource", name: str) -> None:
         """Refuse another method's scores of other probes or another gallery.
 
         Raises:
@@ -163,8 +168,8 @@ class Scores(ScoreSource):
     Example:
         >>> people = ["ann", "bob"]
         >>> scores = Scores(np.array([[0.9, 0.1], [np.nan, np.nan]]), people, people)
-        >>> scores.genuine().tolist(), scores.impostor().tolist(), scores.fta
-        ([0.9], [0.1], 0.5)
+        >>> scores.genuine().tolist(), scores.impostor().tolist(), scores.complete
+        ([0.9], [0.1], False)
     """
 
     matrix: Array
@@ -173,8 +178,8 @@ class Scores(ScoreSource):
 
     def __post_init__(self) -> None:
         matrix = plain_array(self.matrix, "scores of the matrix")
+        super().__post_init__()
         object.__setattr__(self, "matrix", matrix)
-        _name_pairs(self)
         if matrix.shape != (len(self.probe_ids), len(self.gallery_ids)) or matrix.size == 0:
             raise ScoreError(
                 f"score matrix {matrix.shape} for {len(self.probe_ids)} probes and "
@@ -197,44 +202,9 @@ class Scores(ScoreSource):
         return self.matrix[self.mates]
 
     @property
-    def failed(self) -> Flags:
-        """``(P,)`` which probes have no score with any gallery image."""
-        return np.asarray(np.isnan(self.matrix).all(axis=1))
-
-    @property
     def complete(self) -> bool:
         """Whether every pair has a score."""
         return not np.isnan(self.matrix).any()
-
-    def impostor(self) -> Array:
-        """Return the scores of non-mated pairs ``(n,)``, row by row, without failures."""
-        return self.matrix[~self.mated & ~np.isnan(self.matrix)]
-
-    def pair_with(self, other: Scores) -> tuple[Array, Array, Array, Array]:
-        """Return genuine and impostor scores of the pairs that both methods scored, in one order.
-
-        Args:
-            other: Scores of another method for the same probes and gallery.
-
-        Returns:
-            ``genuine, impostor`` of this method and ``genuine, impostor`` of the other: the four
-            arguments of :func:`lrsr.evaluation.delong.compare_aucs`.
-
-        Raises:
-            ScoreError: The two were made from different probes or another gallery.
-        """
-        self.check_same_pairs(other, "the other method")
-        both = ~np.isnan(self.matrix) & ~np.isnan(other.matrix)
-        genuine, impostor = self.mated & both, ~self.mated & both
-        a, b = self.matrix, other.matrix
-        return a[genuine], a[impostor], b[genuine], b[impostor]
-
-    @cached_property
-    def mated(self) -> Flags:
-        """``(P, G)`` whether probe and gallery image show the same person."""
-        mated = np.zeros(self.matrix.shape, dtype=np.bool_)
-        mated[self.mates] = True
-        return mated
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,7 +238,7 @@ class CosineScores(ScoreSource):
     gallery_ids: Sequence[str]
 
     def __post_init__(self) -> None:
-        _name_pairs(self)
+        super().__post_init__()
         probes = _embeddings(self.probes, "probe", len(self.probe_ids))
         gallery = _embeddings(self.gallery, "gallery", len(self.gallery_ids))
         object.__setattr__(self, "probes", probes)
@@ -299,20 +269,9 @@ class CosineScores(ScoreSource):
         return scores
 
     @property
-    def failed(self) -> Flags:
-        """``(P,)`` which probes have no score with any gallery image."""
-        nobody_enrolled = bool(np.isnan(self.gallery[:, 0]).all())
-        return np.asarray(np.isnan(self.probes[:, 0]) | nobody_enrolled)
-
-    @property
     def complete(self) -> bool:
         """Whether every pair has a score."""
         return not (np.isnan(self.probes[:, 0]).any() or np.isnan(self.gallery[:, 0]).any())
-
-
-def _name_pairs(scores: ScoreSource) -> None:
-    for field in ("probe_ids", "gallery_ids"):
-        object.__setattr__(scores, field, _identities(getattr(scores, field), field))
 
 
 def _identities(ids: Any, field: str) -> tuple[str, ...]:

@@ -4,81 +4,23 @@ Pairs share persons, so they are not independent. With one genuine pair per pers
 error is right within a few per cent; with several images per person it is two to four times too
 small. Both ways here draw or drop whole persons, with all their pairs as probe and in the gallery,
 and are right in either case (Fogliato et al., IJCV 2024; Poh et al., IEEE TPAMI 2007). The
-jackknife reads the scores tile by tile; the bootstrap wants the matrix.
+jackknife reads the scores tile by tile; the bootstrap needs the memory of the matrix.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.arrays import Array, check_scores
-from lrsr.evaluation.delong import AucEstimate, auc_interval, auc_of_counts, normal_quantile
-from lrsr.evaluation.placements import Genuine, Ints, class_placements
-from lrsr.evaluation.scores import Index, Scores, ScoreSource, Tile
+from lrsr.evaluation.arrays import Array
+from lrsr.evaluation.placements import Classes, Ints, Placements, class_placements
+from lrsr.evaluation.scores import Index, ScoreSource, Tile
 
 Floats = NDArray[np.float64]
 
 _FEW = 8
 """Genuine scores of one person up to which each is compared with the person's impostor scores."""
-
-
-@dataclass(frozen=True)
-class BootstrapInterval:
-    """What the replicates of a bootstrap say about one number; every field goes to JSON.
-
-    Attributes:
-        value: The number measured on all subjects.
-        std: Standard deviation of the replicates.
-        low: Lower percentile.
-        high: Upper percentile.
-        level: Confidence level, between the percentiles.
-        replicates: How many replicates there were.
-    """
-
-    value: float
-    std: float
-    low: float
-    high: float
-    level: float
-    replicates: int
-
-
-@dataclass(frozen=True, eq=False)
-class SubjectBootstrap:
-    """AUCs of several methods, measured on the same draws of subjects.
-
-    Attributes:
-        measured: AUC of each method on all subjects.
-        replicates: ``(B,)`` AUCs of each method; the same place is the same draw in all methods.
-        level: Confidence level of the intervals.
-    """
-
-    measured: Mapping[str, float]
-    replicates: Mapping[str, Floats]
-    level: float
-
-    def auc(self, method: str) -> BootstrapInterval:
-        """Return the percentile interval of one method's AUC."""
-        return self._interval(self.measured[method], self.replicates[method])
-
-    def difference(self, a: str, b: str) -> BootstrapInterval:
-        """Return the percentile interval of AUC of a minus AUC of b, paired."""
-        return self._interval(
-            self.measured[a] - self.measured[b], self.replicates[a] - self.replicates[b]
-        )
-
-    def _interval(self, value: float, draws: Floats) -> BootstrapInterval:
-        tail = (1 - self.level) / 2
-        low, high = np.quantile(draws, [tail, 1 - tail])
-        return BootstrapInterval(
-            value, float(draws.std(ddof=1)), float(low), float(high), self.level, draws.size
-        )
 
 
 class Tally:
@@ -92,8 +34,7 @@ class Tally:
         mated_scores: ``(q,)`` of the mated pairs; NaN where one is not to be compared.
 
     Attributes:
-        genuine: The genuine scores that are compared.
-        counts: Of the impostor scores so far.
+        placements: The genuine scores that are compared, and the impostor scores so far.
 
     Raises:
         ScoreError: There is no genuine score.
@@ -101,44 +42,40 @@ class Tally:
 
     def __init__(self, source: ScoreSource, mated_scores: Array) -> None:
         compared = ~np.isnan(mated_scores)
-        self.genuine = Genuine(mated_scores[compared])
-        self.counts = self.genuine.no_counts()
+        self.placements = Placements(mated_scores[compared])
         self._probes, self._gallery, people = source.codes
         self._who = self._probes[source.mates[0][compared]]
         self._mine = np.bincount(self._who, minlength=people)
         self._theirs, self._lost, self._overlap = (np.zeros(people, np.int64) for _ in range(3))
         # Each person's genuine scores by class, every one as two halves: one above the impostor
         # scores of lower classes, the other also above those that tie.
-        self._stride = 2 * self.genuine.values.size + 2
-        entries = self._who * self._stride + self.genuine.own_classes
+        self._stride = self.placements.sizes.size + 1
+        entries = self._who * self._stride + self.placements.own_classes
         self._entries = np.sort(np.concatenate((entries, entries + 1)))
         self._ends = 2 * np.cumsum(self._mine)
 
-    def add(self, tile: Tile, scores: Array, others: Index) -> Ints:
+    def add(self, tile: Tile, others: Index) -> Ints:
         """Count the impostor scores of a tile.
 
         Args:
             tile: The rows.
-            scores: ``(r, G)`` those of the tile, any number in the place of NaN.
-            others: Flat places of the pairs that are no impostor pairs or are not compared.
+            others: ``tile.others``, and the flat places of what else is not to be compared.
 
         Returns:
             ``(r, G)`` twice the genuine scores above each impostor score; 0 at ``others``.
 
         Raises:
-            ScoreError: See :meth:`Genuine.classes`.
+            ScoreError: See :meth:`Placements.classes`.
         """
-        classes = self.genuine.classes(scores)
-        none_above = 2 * self.genuine.values.size
-        classes.reshape(-1)[others] = none_above
-        counts = self.genuine.counts(classes)
-        counts.sizes[none_above] -= others.size
-        self.counts += counts
-        placements = self.genuine.placements(classes)
-        rows, columns = np.divmod(others, scores.shape[1])
-        self._add_side(self._probes[tile.rows], rows, classes, placements)
-        self._add_side(self._gallery, columns, classes.T, placements.T)
-        return placements
+        classes = self.placements.classes(tile.filled(0))
+        classes.reshape(-1)[others] = self.placements.sizes.size - 1  # no genuine score is above
+        self.placements.count(classes)
+        self.placements.sizes[-1] -= others.size
+        above = self.placements.of_impostor(classes)
+        rows, columns = np.divmod(others, classes.shape[1])
+        self._add_side(self._probes[tile.rows], rows, classes, above)
+        self._add_side(self._gallery, columns, classes.T, above.T)
+        return above
 
     def areas(self) -> Floats:
         """Return the AUC without each person that has a score, by person.
@@ -152,25 +89,23 @@ class Tally:
                 f"{np.count_nonzero(self._mine)} identities with a genuine score: leaving one out "
                 "needs two"
             )
-        beats = self.genuine.beats(self.counts)
-        lost = self._lost.copy()
-        np.add.at(lost, self._who, beats)
-        m, n = self.genuine.scores.size - self._mine, self.counts.n_impostor - self._theirs
+        placements, beats = self.placements, self.placements.of_genuine
+        m, n = placements.genuine.size - self._mine, placements.n_impostor - self._theirs
         if (n < 1).any():
             raise ScoreError("no impostor score is left without one of the identities: add people")
+        lost = self._lost.copy()
+        np.add.at(lost, self._who, beats)
         areas: Floats = (int(beats.sum()) - lost + self._overlap) / (2.0 * m * n)
         return areas[(self._mine > 0) | (self._theirs > 0)]
 
-    def _add_side(
-        self, codes: Index, others: Index, classes: NDArray[Any], placements: Ints
-    ) -> None:
+    def _add_side(self, codes: Index, others: Index, classes: Classes, above: Ints) -> None:
         """Book the impostor scores of each row on its person; of each column, when transposed."""
-        np.add.at(self._lost, codes, placements.sum(axis=1))
+        np.add.at(self._lost, codes, above.sum(axis=1))
         paired = classes.shape[1] - np.bincount(others, minlength=codes.size)
         np.add.at(self._theirs, codes, paired)
         np.add.at(self._overlap, codes, self._own_above(codes, classes))
 
-    def _own_above(self, codes: Index, classes: NDArray[Any]) -> Ints:
+    def _own_above(self, codes: Index, classes: Classes) -> Ints:
         """Return twice the genuine scores of each row's person above the impostor scores there."""
         found = np.zeros(codes.size, dtype=np.int64)
         number, key = 2 * self._mine[codes], codes * self._stride
@@ -195,32 +130,14 @@ def jackknife_std(areas: Floats) -> float:
     return float(np.sqrt((areas.size - 1) / areas.size * ((areas - areas.mean()) ** 2).sum()))
 
 
-def jackknife_auc(source: ScoreSource, level: float = 0.95) -> AucEstimate:
-    """Estimate the AUC with a standard error that leaves out one identity at a time.
-
-    Args:
-        source: Probes × gallery.
-        level: Confidence level of the Wald and logit intervals.
-
-    Raises:
-        ScoreError: Fewer than two identities with a genuine score, too few impostor scores to
-            leave one identity out, or a level outside (0, 1).
-    """
-    normal_quantile(level)
-    tally = Tally(source, source.mated_scores())
-    for tile in source.tiles():
-        tally.add(tile, tile.filled, np.union1d(tile.mates, tile.absent))
-    std, counts = jackknife_std(tally.areas()), tally.counts
-    return auc_interval(auc_of_counts(counts), std, counts.n_genuine, counts.n_impostor, level)
-
-
 def bootstrap_aucs(
-    methods: Mapping[str, Scores], *, replicates: int = 1000, seed: int = 0, level: float = 0.95
-) -> SubjectBootstrap:
+    methods: Mapping[str, ScoreSource], *, replicates: int = 1000, seed: int = 0
+) -> dict[str, Floats]:
     """Draw subjects with replacement, the same draws for every method, and measure each AUC.
 
     A subject drawn k times counts its genuine pairs k times and a pair of two subjects the product
-    of their numbers; a subject is never compared with its own copy as an impostor.
+    of their numbers; a subject is never compared with its own copy as an impostor. Needs the memory
+    of the matrix.
 
     Args:
         methods: Scores by method, for the same probes and gallery; a failure to acquire in one
@@ -228,54 +145,62 @@ def bootstrap_aucs(
         replicates: How many draws, >= 2; a draw without any genuine or impostor pair of some
             method is left out.
         seed: Of the draws.
-        level: Confidence level of the intervals.
+
+    Returns:
+        ``(B,)`` AUCs of each method; the same place is the same draw in all. Their percentiles, and
+        those of the difference of two methods, are intervals.
 
     Raises:
         ScoreError: No method, methods with different probes or gallery, fewer than two replicates
-            (asked for or usable), no genuine or impostor score, or a level outside (0, 1).
+            (asked for or usable), or no genuine or impostor score.
+
+    Example:
+        >>> from lrsr.evaluation.scores import Scores
+        >>> people = [f"p{k}" for k in range(30)]
+        >>> noise = np.random.default_rng(0).normal(size=(30, 30))
+        >>> drawn = bootstrap_aucs({"a": Scores(noise + np.eye(30), people, people)})["a"]
+        >>> np.quantile(drawn, [0.025, 0.975]).round(2).tolist()
+        [0.73, 0.88]
     """
-    normal_quantile(level)
     if not methods or replicates < 2:
         raise ScoreError(f"{len(methods)} methods, {replicates} replicates: wanted >= 1 and >= 2")
     first = next(iter(methods.values()))
-    for name, scores in methods.items():
-        first.check_same_pairs(scores, name)
-    probe_codes, gallery_codes, size = first.codes
-    prepared = {name: _Weighted(scores) for name, scores in methods.items()}
+    for name, source in methods.items():
+        first.check_same_pairs(source, name)
+    probes, gallery, size = first.codes
+    prepared = [_Weighted(source) for source in methods.values()]
     generator = np.random.default_rng(seed)
     draws = np.empty((len(prepared), replicates))
     for column in range(replicates):
         weights = np.bincount(generator.integers(size, size=size), minlength=size)
-        pairs = np.multiply.outer(weights[probe_codes], weights[gallery_codes]).astype(np.float64)
-        for row, method in enumerate(prepared.values()):
-            draws[row, column] = method.auc(weights, pairs)
+        pairs = np.multiply.outer(weights[probes], weights[gallery]).reshape(-1)
+        draws[:, column] = [method.auc(weights, pairs) for method in prepared]
     usable = draws[:, np.isfinite(draws).all(axis=0)]
     if usable.shape[1] < 2:
         raise ScoreError("hardly any draw of subjects has genuine and impostor pairs: add people")
-    everyone = np.ones(size, dtype=np.int64)
-    whole = np.ones(first.matrix.shape)
-    measured = {name: method.auc(everyone, whole) for name, method in prepared.items()}
-    return SubjectBootstrap(measured, dict(zip(prepared, usable, strict=True)), level)
+    return dict(zip(methods, usable, strict=True))
 
 
 class _Weighted:
     """One method's scores, classed once, so that a draw costs one weighted histogram."""
 
-    def __init__(self, scores: Scores) -> None:
-        genuine = Genuine(scores.genuine())
-        self.classes = genuine.classes(check_scores(scores.impostor(), "impostor"))
-        acquired = ~np.isnan(scores.matrix)
-        self.is_impostor = ~scores.mated & acquired
-        self.value_of = genuine.own_classes >> 1
-        self.who = scores.codes[0][np.nonzero(scores.mated & acquired)[0]]
-        self.n_values = genuine.values.size
+    def __init__(self, source: ScoreSource) -> None:
+        mated = source.mated_scores()
+        placements = Placements(mated[~np.isnan(mated)])
+        self.who = source.codes[0][source.mates[0][~np.isnan(mated)]]
+        self.value_of, self.n_classes = placements.own_classes >> 1, placements.sizes.size
+        parts = []
+        for tile in source.tiles():
+            parts.append(placements.classes(tile.filled(0)).reshape(-1))
+            parts[-1][tile.others] = self.n_classes  # a class of its own, that is not read
+        self.classes = np.concatenate(parts)
+        if (self.classes == self.n_classes).all():
+            raise ScoreError("0 impostor scores, wanted at least 1: give more pairs")
 
-    def auc(self, weights: Ints, pairs: Floats) -> float:
+    def auc(self, weights: Ints, pairs: Ints) -> float:
         """Measure the AUC with a weight for each identity; NaN where nothing has weight."""
-        ties = np.bincount(self.value_of, weights[self.who], minlength=self.n_values)
-        per_class = np.bincount(
-            self.classes, pairs[self.is_impostor], minlength=2 * self.n_values + 1
-        )
-        whole = ties.sum() * per_class.sum()
+        ties = np.bincount(self.value_of, weights[self.who], minlength=self.n_classes // 2)
+        sizes = np.bincount(self.classes, pairs, minlength=self.n_classes + 1)[:-1]
+        whole = ties.sum() * sizes.sum()
         above = class_placements(ties.astype(np.int64))
-        return float((per_class * above).sum() / (2 * whole)) if whole else float("nan")
+        return float((sizes * above).sum() / (2 * whole)) if whole else float("nan")

@@ -4,8 +4,6 @@ Every measure is made of counts, sums and the highest scores, gathered tile by t
 scores is never held, and the same numbers come out whether it exists or not.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -19,23 +17,12 @@ from lrsr.evaluation.delong import (
     AucComparison,
     AucEstimate,
     DifferenceSums,
-    estimate_auc_from_counts,
+    estimate_auc_of,
     normal_quantile,
 )
 from lrsr.evaluation.placements import Ints
-from lrsr.evaluation.rates import (
-    CmcCurve,
-    Highest,
-    Moments,
-    OperatingPoint,
-    Ranker,
-    allowed_false_matches,
-    cmc_of_ranks,
-    d_prime_of_moments,
-    equal_error_rate,
-    operating_point,
-)
-from lrsr.evaluation.roc import RocCurve, trace_roc_from_counts
+from lrsr.evaluation.rates import CmcCurve, OperatingPoint, Rates, equal_error_rate
+from lrsr.evaluation.roc import RocCurve, trace_roc_of
 from lrsr.evaluation.scores import ScoreSource, Tile
 from lrsr.evaluation.subjects import Tally, jackknife_std
 
@@ -90,8 +77,8 @@ def summarise(
 
     A failure to acquire is counted and not compared; a pair of methods is compared on what both
     acquired. Of matrices and of cosines that are made on the way the results are the same. Memory
-    over the inputs is, for each method, some tiles (4 MiB each) and the impostor scores that the
-    largest target FMR lets pass (80 MB for 0.1 of 10^8).
+    over the inputs is, for each method, some tiles (2 MiB each) and the impostor scores that the
+    largest target FMR lets pass (100 MB for 0.1 of 10^8).
 
     Args:
         methods: Scores by method.
@@ -133,10 +120,10 @@ def summarise(
     passes = {name: _Method(name, source, target_fmrs) for name, source in methods.items()}
     tests = {(a, b): _Test(passes[a], passes[b]) for a, b in pairs}
     for tiles in zip(*(source.tiles() for source in methods.values()), strict=True):
-        by_name = dict(zip(methods, tiles, strict=True))
-        placements = {name: passes[name].add(tile) for name, tile in by_name.items()}
+        tile_of = dict(zip(methods, tiles, strict=True))
+        placements = {name: passes[name].add(tile) for name, tile in tile_of.items()}
         for (a, b), test in tests.items():
-            test.add(by_name[a], by_name[b], placements[a], placements[b])
+            test.add((tile_of[a], tile_of[b]), (placements[a], placements[b]))
     return Evaluation(
         {name: method.summary(level) for name, method in passes.items()},
         {pair: test.comparison(level) for pair, test in tests.items()},
@@ -147,43 +134,28 @@ class _Method:
     """Gathers what the measures of one method need."""
 
     def __init__(self, name: str, source: ScoreSource, target_fmrs: Collection[float]) -> None:
-        self.name, self.source, self._targets = name, source, target_fmrs
-        self.mated_scores = source.mated_scores()
+        self.name, self.source, self.mated_scores = name, source, source.mated_scores()
+        self._rates = Rates(source, target_fmrs)
         with _named(name):
             self.tally = Tally(source, self.mated_scores)
-        self._ranker, self._ranks = Ranker(source), list[Ints]()
-        self._moments = Moments()
-        pairs = len(source.probe_ids) * len(source.gallery_ids) - self.mated_scores.size
-        passing = [allowed_false_matches(target, pairs) for target in target_fmrs]
-        self._highest = Highest(min(pairs, max(passing, default=-1) + 1), self.mated_scores.dtype)
 
     def add(self, tile: Tile) -> Ints:
         """Take the next tile; return the placements of its impostor scores."""
-        others = np.union1d(tile.mates, tile.absent)
-        impostor = np.delete(tile.filled, others)
-        self._moments.add(impostor)
-        if self._targets:
-            self._highest.add(impostor)
-        self._ranks.append(self._ranker.rank(tile))
-        return self.tally.add(tile, tile.filled, others)
+        self._rates.add(tile)
+        return self.tally.add(tile, tile.others)
 
     def summary(self, level: float) -> Summary:
-        counts, genuine, own = self.tally.counts, self.tally.genuine.scores, Moments()
-        own.add(genuine)
         with _named(self.name):
-            area = estimate_auc_from_counts(counts, level)
-            curve = trace_roc_from_counts(counts)
-            highest, n = self._highest.scores(), counts.n_impostor
+            area = estimate_auc_of(self.tally.placements, level)
+            curve = trace_roc_of(self.tally.placements)
             return Summary(
                 area=_with_subjects(area, area.auc, [self.tally], (0.0, 1.0)),
                 curve=curve,
                 eer=equal_error_rate(curve),
-                d_prime=d_prime_of_moments(own, self._moments),
-                cmc=cmc_of_ranks(np.concatenate(self._ranks), self._ranker.n_people),
-                fta=self.source.fta,
-                fnmr=tuple(
-                    operating_point(genuine, highest, n, target, level) for target in self._targets
-                ),
+                d_prime=self._rates.d_prime(),
+                cmc=self._rates.cmc(),
+                fta=self._rates.fta,
+                fnmr=self._rates.fnmr(level),
             )
 
 
@@ -192,8 +164,8 @@ class _Test:
 
     def __init__(self, a: _Method, b: _Method) -> None:
         self._name, self._sums = f"{a.name} against {b.name}", DifferenceSums()
-        self._shared = a.source.complete and b.source.complete
         self._tallies = [a.tally, b.tally]
+        self._shared = a.source.complete and b.source.complete
         if not self._shared:
             fails = np.isnan(a.mated_scores) | np.isnan(b.mated_scores)
             with _named(self._name):
@@ -202,20 +174,19 @@ class _Test:
                     for method in (a, b)
                 ]
 
-    def add(self, tile_a: Tile, tile_b: Tile, placements_a: Ints, placements_b: Ints) -> None:
+    def add(self, tiles: Sequence[Tile], placements: Sequence[Ints]) -> None:
         """Take the next tile of both, and what was found of all that each of them acquired."""
         if not self._shared:
-            others = np.union1d(np.union1d(tile_a.mates, tile_a.absent), tile_b.absent)
-            placements_a, placements_b = (
-                tally.add(tile, tile.filled, others)
-                for tally, tile in zip(self._tallies, (tile_a, tile_b), strict=True)
-            )
-        self._sums.add(placements_a, placements_b)
+            others = np.union1d(tiles[0].others, tiles[1].others)
+            placements = [
+                tally.add(tile, others) for tally, tile in zip(self._tallies, tiles, strict=True)
+            ]
+        self._sums.add(*placements)
 
     def comparison(self, level: float) -> AucComparison:
-        a, b = (tally.genuine.beats(tally.counts) for tally in self._tallies)
+        a, b = self._tallies
         with _named(self._name):
-            test = self._sums.compare(a, b, self._tallies[0].counts.n_impostor, level)
+            test = self._sums.compare(a.placements, b.placements, level)
         return _with_subjects(test, test.difference, self._tallies, (-1.0, 1.0))
 
 

@@ -20,11 +20,13 @@ from lrsr.evaluation.delong import (
     auc_interval,
     compare_aucs,
     estimate_auc,
-    estimate_auc_from_counts,
+    estimate_auc_of,
     measure_auc,
     normal_quantile,
+    stream_auc,
 )
-from lrsr.evaluation.placements import BLOCK, Counts, count
+from lrsr.evaluation.placements import BLOCK, Placements, place
+from lrsr.evaluation.scores import CosineScores, Scores
 
 DATA = Path(__file__).parent.parent / "data"
 PROC = json.loads((DATA / "delong_proc.json").read_text())["cases"]
@@ -120,8 +122,9 @@ def test_variance_keeps_its_digits_close_to_complete_separation() -> None:
 def test_squares_beyond_int64_are_summed_exactly() -> None:
     # m = 4: two genuine scores beat all impostors, two beat none. S10 = 1/3, S01 = 0.
     n = 5_000_000_000
-    counts = Counts(np.array([0.0, 2.0]), np.array([2, 2]), np.array([0, 0, n, 0, 0]))
-    estimate = estimate_auc_from_counts(counts)
+    placements = Placements([0.0, 0.0, 2.0, 2.0])
+    placements.sizes[2] = n
+    estimate = estimate_auc_of(placements)
     assert estimate.auc == 0.5
     assert estimate.std**2 == pytest.approx(1 / 12, rel=1e-15)
 
@@ -253,6 +256,19 @@ def test_p_is_even_where_the_methods_are_equal() -> None:
     assert abs(small - 0.1 * trials) < 4 * math.sqrt(trials * 0.1 * 0.9)
 
 
+@pytest.mark.parametrize("tile", [1, 100, 1 << 18])
+def test_streamed_scores_have_the_area_of_stored_ones(
+    tile: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lrsr.evaluation.scores.TILE", tile)
+    faces = np.random.default_rng(0).integers(-3, 4, (30, 8)).astype(np.float32)
+    other = faces + np.random.default_rng(1).integers(-3, 4, (30, 8)).astype(np.float32)
+    ids = [str(k) for k in range(30)]
+    scores = Scores(np.float64(faces) @ np.float64(other).T, ids, ids)
+    wanted = estimate_auc(scores.genuine(), scores.impostor())
+    assert stream_auc(CosineScores(faces, other, ids, ids)) == wanted == stream_auc(scores)
+
+
 # Edges.
 
 
@@ -336,7 +352,7 @@ def test_measure_refuses_an_empty_side() -> None:
 
 def test_counts_of_one_genuine_score_are_refused() -> None:
     with pytest.raises(ScoreError, match="a variance needs two of each"):
-        estimate_auc_from_counts(count([1.0], [0.0, 2.0]))
+        estimate_auc_of(place([1.0], [0.0, 2.0]))
 
 
 @pytest.mark.parametrize("level", [0.0, 1.0, 95.0, math.nan])

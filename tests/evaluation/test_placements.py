@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.placements import BLOCK, Counts, Genuine, class_placements, count
+from lrsr.evaluation.placements import BLOCK, Placements, class_placements, place
 
 Draw = Callable[[np.random.Generator, int], np.ndarray]
 
@@ -27,11 +28,11 @@ DRAWS: dict[str, Draw] = {
 }
 
 
-def add_up(genuine: Genuine, parts: list[np.ndarray]) -> Counts:
-    counts = genuine.no_counts()
+def count(genuine: ArrayLike, parts: list[np.ndarray]) -> Placements:
+    placements = Placements(genuine)
     for part in parts:
-        counts += genuine.counts(genuine.classes(part))
-    return counts
+        placements.count(placements.classes(part))
+    return placements
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -43,7 +44,7 @@ def test_counts_equal_those_in_the_sorted_scores(draw: Draw, m: int, dtype: type
         genuine, impostor = draw(rng, m).astype(dtype), draw(rng, 20_000).astype(dtype)
     if not np.isfinite(impostor).all():
         pytest.skip("float32 does not reach so far")
-    counts = count(genuine, impostor)
+    counts = place(genuine, impostor)
     ordered = np.sort(impostor)
     assert (counts.values == np.unique(genuine)).all()
     assert (counts.lo == np.searchsorted(ordered, counts.values, side="left")).all()
@@ -53,8 +54,8 @@ def test_counts_equal_those_in_the_sorted_scores(draw: Draw, m: int, dtype: type
 def test_one_stray_genuine_score_changes_no_count() -> None:
     rng = np.random.default_rng(3)
     genuine, impostor = rng.normal(1, 1, 200), rng.normal(0, 1, 50_000)
-    with_stray = count([*genuine, -1e6], impostor)
-    assert with_stray.lo[1:].tolist() == count(genuine, impostor).lo.tolist()
+    with_stray = place([*genuine, -1e6], impostor)
+    assert with_stray.lo[1:].tolist() == place(genuine, impostor).lo.tolist()
 
 
 @given(
@@ -63,7 +64,7 @@ def test_one_stray_genuine_score_changes_no_count() -> None:
 )
 @settings(deadline=None, max_examples=50)
 def test_counts_equal_plain_counting(genuine: list[float], impostor: list[float]) -> None:
-    counts = count(np.float32(genuine), np.float64(impostor))
+    counts = place(np.float32(genuine), np.float64(impostor))
     for value, lo, hi in zip(counts.values, counts.lo, counts.hi, strict=True):
         assert lo == sum(score < value for score in impostor)
         assert hi == sum(score <= value for score in impostor)
@@ -72,37 +73,37 @@ def test_counts_equal_plain_counting(genuine: list[float], impostor: list[float]
 def test_blocks_add_up_to_the_whole() -> None:
     rng = np.random.default_rng(0)
     genuine, impostor = rng.normal(1, 1, 30), rng.normal(0, 1, 3 * BLOCK + 5)
-    counts = add_up(Genuine(genuine), np.array_split(impostor, 7))
-    assert counts.hi.tolist() == count(genuine, impostor).hi.tolist()
+    counts = count(genuine, np.array_split(impostor, 7))
+    assert counts.hi.tolist() == place(genuine, impostor).hi.tolist()
     assert counts.n_impostor == impostor.size
 
 
 def test_blocks_of_different_dtypes_add_up() -> None:
-    genuine = Genuine(np.float32([0.5, 1.5, 2.5, 3.5, 4.5]))
+    genuine = np.float32([0.5, 1.5, 2.5, 3.5, 4.5])
     parts = [np.float32([0.5, 1.0]), np.array([1, 2]), np.array([0.5 + 1e-12]), np.float32([9])]
-    counts = add_up(genuine, parts)
+    counts = count(genuine, parts)
     assert counts.lo.tolist() == [0, 4, 5, 5, 5]
     assert counts.hi.tolist() == [1, 4, 5, 5, 5]
 
 
 def test_values_are_told_in_the_widest_dtype_that_was_compared() -> None:
     # Else the next float32 above a genuine score would jump over a float64 impostor score.
-    assert count(np.float32([0.5]), [0.5 + 1e-12]).values.dtype == np.float64
+    assert place(np.float32([0.5]), [0.5 + 1e-12]).values.dtype == np.float64
 
 
 def test_float32_is_compared_with_float64_without_rounding() -> None:
     # float32(0.1) is 0.100000001490116, above the float64 0.1.
-    assert count(np.float32([0.1]), [0.1]).lo.tolist() == [1]
+    assert place(np.float32([0.1]), [0.1]).lo.tolist() == [1]
 
 
 def test_negative_zero_equals_zero() -> None:
-    counts = count([-0.0, 0.0], [0.0, -0.0, 0.0])
+    counts = place([-0.0, 0.0], [0.0, -0.0, 0.0])
     assert (counts.ties.tolist(), counts.lo.tolist(), counts.hi.tolist()) == ([2], [0], [3])
 
 
 def test_large_integers_are_compared_exactly() -> None:
     large = 2**62
-    counts = count(np.array([large + 1]), np.array([large, large + 1, large + 2]))
+    counts = place(np.array([large + 1]), np.array([large, large + 1, large + 2]))
     assert (counts.lo.tolist(), counts.hi.tolist()) == ([1], [2])
 
 
@@ -110,16 +111,16 @@ def test_large_integers_are_compared_exactly() -> None:
     "dtype", [np.bool_, np.int8, np.uint8, np.int16, np.int64, np.uint64, np.float16]
 )
 def test_any_real_dtype_is_taken(dtype: type) -> None:
-    counts = count(np.array([1], dtype), np.array([0, 1, 1], dtype))
+    counts = place(np.array([1], dtype), np.array([0, 1, 1], dtype))
     assert (counts.lo.tolist(), counts.hi.tolist()) == ([1], [3])
 
 
 def test_signed_and_unsigned_integers_are_compared_by_value() -> None:
-    assert count(np.array([-1]), np.array([0, 1], np.uint64)).hi.tolist() == [0]
+    assert place(np.array([-1]), np.array([0, 1], np.uint64)).hi.tolist() == [0]
 
 
 def test_classes_hold_every_impostor_score_once() -> None:
-    counts = count([1, 2, 2, 5], [0, 1, 1.5, 2, 2, 7])
+    counts = place([1, 2, 2, 5], [0, 1, 1.5, 2, 2, 7])
     assert class_placements(counts.ties).tolist() == [8, 7, 6, 4, 2, 1, 0]
     assert counts.sizes.tolist() == [1, 1, 1, 2, 0, 0, 1]
 
@@ -131,21 +132,21 @@ def test_placements_are_twice_the_genuine_scores_above(
 ) -> None:
     rng = np.random.default_rng(5)
     scores, impostor = rng.normal(1, 1, 60).round(decimals), rng.normal(size=shape).round(decimals)
-    genuine = Genuine(scores)
+    genuine = Placements(scores)
     above, tied = scores > impostor[..., None], scores == impostor[..., None]
-    placements = genuine.placements(genuine.classes(impostor))
+    placements = genuine.of_impostor(genuine.classes(impostor))
     assert (placements == 2 * above.sum(-1) + tied.sum(-1)).all()
 
 
 def test_each_genuine_score_beats_what_lies_below_it() -> None:
-    genuine = Genuine([3.0, 1.0, 3.0])
-    assert genuine.beats(add_up(genuine, [np.array([0.0, 1, 2, 3, 4])])).tolist() == [7, 3, 7]
-    assert genuine.own_classes.tolist() == [3, 1, 3]
+    placements = place([3.0, 1.0, 3.0], [0.0, 1, 2, 3, 4])
+    assert placements.of_genuine.tolist() == [7, 3, 7]
+    assert placements.own_classes.tolist() == [3, 1, 3]
 
 
 @pytest.mark.parametrize(("k", "dtype"), [(100, np.int16), (20_000, np.int32)])
 def test_many_classes_have_room(k: int, dtype: type) -> None:
-    genuine = Genuine(np.arange(k))
+    genuine = Placements(np.arange(k))
     classes = genuine.classes(np.arange(-1, k + 1) + 0.0)
     assert classes.dtype == dtype
     assert classes.tolist() == [0, *range(1, 2 * k, 2), 2 * k]
@@ -158,20 +159,20 @@ def test_class_placements_fall_from_twice_the_number_to_zero() -> None:
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf], ids=str)
 def test_the_first_genuine_score_that_is_not_finite_is_named(bad: float) -> None:
     with pytest.raises(ScoreError, match=rf"genuine score 1 is {bad}"):
-        count([0.5, bad, bad], [0.1])
+        place([0.5, bad, bad], [0.1])
 
 
-@pytest.mark.parametrize("place", [0, BLOCK - 1, BLOCK, 2 * BLOCK + 17])
-def test_the_first_impostor_score_that_is_not_finite_is_named(place: int) -> None:
+@pytest.mark.parametrize("index", [0, BLOCK - 1, BLOCK, 2 * BLOCK + 17])
+def test_the_first_impostor_score_that_is_not_finite_is_named(index: int) -> None:
     impostor = np.zeros(2 * BLOCK + 20, np.float32)
-    impostor[place:] = np.nan
-    with pytest.raises(ScoreError, match=rf"impostor score {place} is nan"):
-        count([0.5], impostor)
+    impostor[index:] = np.nan
+    with pytest.raises(ScoreError, match=rf"impostor score {index} is nan"):
+        place([0.5], impostor)
 
 
 def test_the_index_goes_on_where_an_earlier_part_ended() -> None:
     with pytest.raises(ScoreError, match="impostor score 3 is inf"):
-        Genuine([0.5]).classes(np.array([1.0, np.inf]), start=2)
+        Placements([0.5]).classes(np.array([1.0, np.inf]), start=2)
 
 
 @pytest.mark.parametrize(
@@ -189,10 +190,10 @@ def test_scores_that_cannot_be_compared_are_refused(
     genuine: list[float], impostor: list[float], message: str
 ) -> None:
     with pytest.raises(ScoreError, match=message):
-        count(genuine, impostor)
+        place(genuine, impostor)
 
 
 def test_inputs_are_left_as_they_were() -> None:
     genuine, impostor = np.array([3.0, 1.0]), np.array([2.0, 0.0, 5.0])
-    count(genuine, impostor)
+    place(genuine, impostor)
     assert (genuine.tolist(), impostor.tolist()) == ([3, 1], [2, 0, 5])

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Collection
 from dataclasses import asdict
 from fractions import Fraction
 
@@ -15,14 +16,10 @@ from scipy.special import ndtr, ndtri
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.rates import (
-    Highest,
-    Moments,
-    Ranker,
-    cmc,
+    Rates,
     d_prime,
     equal_error_rate,
     fnmr_at_fmr,
-    operating_point,
 )
 from lrsr.evaluation.roc import trace_roc
 from lrsr.evaluation.scores import Scores
@@ -40,9 +37,22 @@ def eer(genuine: ArrayLike, impostor: ArrayLike) -> float:
     return equal_error_rate(trace_roc(genuine, impostor))
 
 
-def rank_probes(scores: Scores, rows: int = 2) -> np.ndarray:
-    ranker = Ranker(scores)
-    return np.concatenate([ranker.rank(tile) for tile in scores.tiles(rows)])
+def gather(scores: Scores, targets: Collection[float] = (), rows: int = 2) -> Rates:
+    rates = Rates(scores, targets)
+    for tile in scores.tiles(rows):
+        rates.add(tile)
+    return rates
+
+
+def rank_probes(scores: Scores) -> np.ndarray:
+    return gather(scores).ranks()
+
+
+def one_of_many(m: int, n: int, decimals: int, seed: int = 0) -> Scores:
+    """Scores of m probes with their mates and n others: rows of different kinds of impostors."""
+    rng = np.random.default_rng(seed)
+    matrix = rng.normal(np.linspace(-2, 2, m)[:, None], 1, (m, n + 1)).round(decimals)
+    return Scores(matrix + (np.arange(n + 1) == 0), ["a"] * m, ["a", *(f"b{k}" for k in range(n))])
 
 
 # FNMR at a stated FMR.
@@ -125,24 +135,17 @@ def test_an_operating_point_of_broken_scores_is_refused(
         fnmr_at_fmr(genuine, impostor, 0.1)
 
 
-@pytest.mark.parametrize("target", [0.0, 0.001, 0.3, 0.999, 1.0])
-@pytest.mark.parametrize("parts", [1, 7, 400])
-def test_the_highest_scores_are_enough_for_an_operating_point(target: float, parts: int) -> None:
-    genuine, impostor = (x.round(2) for x in binormal(50, 3000))
-    highest = Highest(min(3000, int(target * 3000) + 1), impostor.dtype)
-    for part in np.array_split(impostor, parts):
-        highest.add(part)
-    found = operating_point(genuine, highest.scores(), impostor.size, target)
-    assert found == fnmr_at_fmr(genuine, impostor, target)
-
-
-@pytest.mark.parametrize("count", [1, 10, 999, 1000])
-def test_the_highest_scores_are_those_at_the_end_of_the_sorted_ones(count: int) -> None:
-    scores = np.random.default_rng(count).integers(0, 300, 1000)
-    highest = Highest(count, scores.dtype)
-    for part in np.split(scores, [3, 3, 500, 980]):
-        highest.add(part)
-    assert np.sort(highest.scores())[-count:].tolist() == np.sort(scores)[-count:].tolist()
+@pytest.mark.parametrize(
+    "targets", [[0.0], [0.001, 0.3], [0.1, 0.01], [0.999], [1.0, 0.5]], ids=str
+)
+@pytest.mark.parametrize("rows", [1, 7, 1000])
+@pytest.mark.parametrize("decimals", [0, 2, 12])
+def test_tiles_have_the_operating_points_of_the_whole(
+    targets: list[float], rows: int, decimals: int
+) -> None:
+    scores = one_of_many(60, 90, decimals)
+    wanted = [fnmr_at_fmr(scores.genuine(), scores.impostor(), target) for target in targets]
+    assert gather(scores, targets, rows).fnmr() == tuple(wanted)
 
 
 # Equal error rate.
@@ -205,14 +208,18 @@ def test_d_prime_of_integers_is_that_of_floats() -> None:
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-6], ids=["wide", "narrow"])
+@pytest.mark.parametrize("rows", [1, 7, 1000])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_moments_of_parts_are_those_of_the_whole(dtype: type, scale: float) -> None:
-    scores = (1 + scale * np.random.default_rng(0).normal(size=10_000)).astype(dtype)
-    moments = Moments()
-    for part in np.split(scores, [0, 1, 700, 8000]):
-        moments.add(part.reshape(-1, 1))
-    assert moments.mean == pytest.approx(scores.mean(dtype=np.float64), rel=1e-14)
-    assert moments.variance == pytest.approx(scores.var(dtype=np.float64, ddof=1), rel=1e-11)
+def test_tiles_have_the_d_prime_of_the_whole(dtype: type, rows: int, scale: float) -> None:
+    scores = one_of_many(60, 90, 12)
+    scores = Scores((1 + scale * scores.matrix).astype(dtype), scores.probe_ids, scores.gallery_ids)
+    moments = [
+        (x.mean(dtype=np.float64), x.var(dtype=np.float64, ddof=1))
+        for x in (scores.genuine(), scores.impostor())
+    ]
+    wanted = (moments[0][0] - moments[1][0]) / math.sqrt((moments[0][1] + moments[1][1]) / 2)
+    assert gather(scores, (), rows).d_prime() == pytest.approx(wanted, rel=1e-9)
+    assert d_prime(scores.genuine(), scores.impostor()) == pytest.approx(wanted, rel=1e-9)
 
 
 def test_d_prime_without_spread_is_refused() -> None:
@@ -263,7 +270,7 @@ def test_ranks_agree_with_sorting_each_row(seed: int) -> None:
 
 def test_cmc_counts_a_failure_as_a_miss_and_leaves_strangers_out() -> None:
     matrix = np.array([[0.9, 0.1], [0.5, 0.4], [NAN, NAN], [0.3, 0.2]])
-    curve = cmc(Scores(matrix, ["a", "b", "a", "stranger"], ["a", "b"]))
+    curve = gather(Scores(matrix, ["a", "b", "a", "stranger"], ["a", "b"])).cmc()
     assert curve.hit_rate.tolist() == [float(Fraction(1, 3)), float(Fraction(2, 3))]
     assert (curve.rank_1, curve.n_probes, curve.n_without_mate) == (1 / 3, 3, 1)
 
@@ -271,23 +278,17 @@ def test_cmc_counts_a_failure_as_a_miss_and_leaves_strangers_out() -> None:
 def test_cmc_reaches_one_at_the_last_rank_and_rises() -> None:
     matrix = np.random.default_rng(0).normal(size=(30, 30))
     people = [str(k) for k in range(30)]
-    curve = cmc(Scores(matrix, people, people))
+    curve = gather(Scores(matrix, people, people)).cmc()
     assert curve.hit_rate[-1] == 1
     assert (np.diff(curve.hit_rate) >= 0).all()
 
 
-def test_cmc_can_be_cut_short() -> None:
-    matrix = np.random.default_rng(0).normal(size=(30, 30))
-    people = [str(k) for k in range(30)]
-    scores = Scores(matrix, people, people)
-    assert cmc(scores, 5).hit_rate.tolist() == cmc(scores).hit_rate[:5].tolist()
-
-
 def test_cmc_without_mates_is_refused() -> None:
     with pytest.raises(ScoreError, match="no probe has a mate"):
-        cmc(Scores(np.zeros((1, 1)), ["a"], ["b"]))
+        gather(Scores(np.zeros((1, 1)), ["a"], ["b"])).cmc()
 
 
-def test_cmc_of_no_ranks_is_refused() -> None:
-    with pytest.raises(ScoreError, match="max_rank 0"):
-        cmc(Scores(np.zeros((1, 1)), ["a"], ["a"]), 0)
+def test_a_probe_without_any_score_is_a_failure_to_acquire() -> None:
+    matrix = np.array([[0.9, NAN], [NAN, NAN], [0.1, 0.2], [NAN, NAN], [NAN, 0.3]])
+    rates = gather(Scores(matrix, list("abcde"), list("ab")))
+    assert rates.fta == 0.4

@@ -13,12 +13,12 @@ from sklearn.metrics import roc_curve
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import measure_auc
-from lrsr.evaluation.placements import Genuine, count
+from lrsr.evaluation.placements import Placements
 from lrsr.evaluation.roc import (
     RocCurve,
     band,
     trace_roc,
-    trace_roc_from_counts,
+    trace_roc_of,
     wilson_interval,
 )
 
@@ -126,8 +126,10 @@ def test_nothing_is_interpolated_inside_a_tie() -> None:
 
 def test_blocks_trace_the_same_curve() -> None:
     genuine, impostor = binormal()
-    first, *others = (count(genuine, part) for part in np.array_split(impostor, 5))
-    streamed, whole = trace_roc_from_counts(sum(others, first)), trace_roc(genuine, impostor)
+    placements = Placements(genuine)
+    for part in np.array_split(impostor, 5):
+        placements.count(placements.classes(part))
+    streamed, whole = trace_roc_of(placements), trace_roc(genuine, impostor)
     assert (streamed.false_matches == whole.false_matches).all()
 
 
@@ -199,7 +201,7 @@ def test_a_curve_without_genuine_scores_is_refused() -> None:
 
 def test_counts_without_impostor_scores_are_refused() -> None:
     with pytest.raises(ScoreError, match="0 impostor"):
-        trace_roc_from_counts(Genuine([1.0]).no_counts())
+        trace_roc_of(Placements([1.0]))
 
 
 def test_a_band_of_level_one_is_refused() -> None:

@@ -33,16 +33,6 @@ def test_missing_scores_are_in_neither_list() -> None:
     assert scores.impostor().tolist() == np.float32([0.1, 0.2, 0.3, 0.4]).tolist()
 
 
-def test_a_probe_without_any_score_is_a_failure_to_acquire() -> None:
-    assert three_people().failed.tolist() == [False, False, True]
-    assert three_people().fta == pytest.approx(1 / 3)
-
-
-def test_one_missing_pair_is_no_failure_to_acquire() -> None:
-    scores = Scores(np.array([[0.9, NAN], [0.3, NAN]]), ["ann", "bob"], ["ann", "bob"])
-    assert (scores.fta, scores.complete) == (0, False)
-
-
 def test_every_score_is_genuine_impostor_or_missing() -> None:
     rng = np.random.default_rng(0)
     matrix = np.where(rng.random((7, 9)) < 0.2, NAN, rng.random((7, 9)))
@@ -59,20 +49,19 @@ def test_ids_become_strings() -> None:
     assert scores.genuine().tolist() == [1, 1]
 
 
-def test_pairing_keeps_only_what_both_methods_scored() -> None:
+def test_other_probes_are_not_the_same_pairs() -> None:
     a = three_people()
-    b = Scores(np.array([[NAN, 1, 2], [3, 4, 5], [6, 7, 8]]), a.probe_ids, a.gallery_ids)
-    genuine_a, impostor_a, genuine_b, impostor_b = a.pair_with(b)
-    assert genuine_a.size == genuine_b.size == 0
-    assert impostor_a.tolist() == np.float32([0.1, 0.2, 0.3, 0.4]).tolist()
-    assert impostor_b.tolist() == [1, 2, 3, 5]
+    a.check_same_pairs(Scores(np.eye(3), a.probe_ids, a.gallery_ids), "b")
+    with pytest.raises(ScoreError, match="b has other probes"):
+        a.check_same_pairs(Scores(a.matrix, ["ann", "bob", "dee"], a.gallery_ids), "b")
 
 
-def test_pairing_refuses_other_probes() -> None:
-    a = three_people()
-    b = Scores(a.matrix, ["ann", "bob", "dee"], a.gallery_ids)
-    with pytest.raises(ScoreError, match="other probes"):
-        a.pair_with(b)
+@pytest.mark.parametrize(("place", "complete"), [(None, True), (0, False), (8, False)])
+def test_a_matrix_is_complete_without_a_missing_score(place: int | None, complete: bool) -> None:
+    matrix = np.eye(3)
+    if place is not None:
+        matrix.flat[place] = NAN
+    assert Scores(matrix, list("abc"), list("abc")).complete is complete
 
 
 @pytest.mark.parametrize(
@@ -154,24 +143,20 @@ def test_tiles_of_cosines_are_the_rows_of_their_matrix(rows: int | None) -> None
         tiles = list(source.tiles(rows))
         assert np.array_equal(np.vstack([t.scores for t in tiles]), matrix.matrix, equal_nan=True)
         mates = [t.first * 120 + place for t in tiles for place in t.mates.tolist()]
-        assert mates == np.flatnonzero(matrix.mated).tolist()
-        assert (
-            source.genuine().tolist()
-            == matrix.matrix[matrix.mated & ~np.isnan(matrix.matrix)].tolist()
-        )
-        assert (source.failed.tolist().index(True), source.fta) == (3, 1 / 60)
+        mated = np.array(probe_ids)[:, None] == np.array(gallery_ids)
+        assert mates == np.flatnonzero(mated).tolist()
+        acquired = ~np.isnan(matrix.matrix)
+        assert source.genuine().tolist() == matrix.matrix[mated & acquired].tolist()
+        assert source.impostor().tolist() == matrix.matrix[~mated & acquired].tolist()
+        assert not source.complete
 
 
 def test_a_tile_tells_where_scores_are_absent_and_fills_them() -> None:
     (tile,) = three_people().tiles()
-    assert tile.absent.tolist() == [4, 6, 7, 8]
-    assert tile.filled[1].tolist() == np.float32([0.3, 0, 0.4]).tolist()
+    assert np.flatnonzero(tile.absent).tolist() == [4, 6, 7, 8]
+    assert tile.others.tolist() == [0, 4, 6, 7, 8]
+    assert tile.filled(0)[1].tolist() == np.float32([0.3, 0, 0.4]).tolist()
     assert tile.rows == slice(0, 3)
-
-
-def test_a_gallery_of_failures_fails_every_probe() -> None:
-    nobody = np.full((2, 4), NAN)
-    assert CosineScores(np.eye(4)[:2], nobody, ["a", "b"], ["a", "b"]).fta == 1
 
 
 def test_tiles_of_no_rows_are_refused() -> None:
