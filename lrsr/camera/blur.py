@@ -109,7 +109,7 @@ class Blur:
 
         Example:
             >>> Blur(1.4).pupil_size(), Blur(1.4, defocus_um=5.0).pupil_size()
-            (0, 64)
+            (0, 56)
         """
         slope = max(front.steepest() for front in self._wavefronts())
         size = STEP * math.ceil((4 * slope + 3 * TAIL) / STEP)
