@@ -100,7 +100,7 @@ def _room(lighting: Lighting, meter: NDArray[np.float64]) -> NDArray[np.float64]
     """
     if lighting.map is None:
         return np.ones((*meter.shape, 3))
-    from lrsr.rendering.room_map import load_map
+    from lrsr.rendering.panorama import load_map
 
     room = load_map(lighting.map, lighting.map_deg, MAP_HEIGHT_PX)
     read = float((room * lighting.fill_colour @ LUMINANCE * meter).sum())

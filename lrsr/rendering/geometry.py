@@ -6,14 +6,11 @@ Pure arithmetic, no renderer. World frame: the head frame of a face that looks s
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.rendering.pose import FOLLOW, PIVOT_MM
-
-Band = Literal["VLR", "MLR", "ULR", "HR"]
+from lrsr.rendering.pose import FOLLOW, PIVOT_MM, Pose
 
 FRAME_IPDS = 4
 """Side of the square frame in interpupillary distances: the face with some hair and neck."""
@@ -66,29 +63,6 @@ class ReferenceCamera:
             raise ValueError(f"IPDs must be positive, got {ipd_px} px and {ipd_mm} mm")
         return self.focal_mm * ipd_mm / (ipd_px * self.pitch_um)
 
-    def airy_radius_um(self, wavelength_nm: float) -> float:
-        r"""Return the radius of the first dark ring of the Airy disk on the sensor.
-
-        q₁ = 1.22 λ / (2A) with the numerical aperture A = 1/√(4N² + 1), as in the paper.
-
-        Args:
-            wavelength_nm: Of the light, nm, > 0.
-
-        Returns:
-            Radius, µm.
-
-        Raises:
-            ValueError: The wavelength is not positive.
-
-        Example:
-            >>> round(ReferenceCamera().airy_radius_um(700), 2)
-            1.27
-        """
-        if not wavelength_nm > 0:
-            raise ValueError(f"the wavelength must be positive, got {wavelength_nm} nm")
-        aperture = 1 / math.sqrt(4 * self.f_number**2 + 1)
-        return 1.22 * wavelength_nm * 1e-3 / (2 * aperture)
-
 
 AXIS_P1435LE = ReferenceCamera()
 """The reference camera: 1920 × 1080, 3 mm, F/1.4, 95° × 51°, pixels 2.65 µm high."""
@@ -120,25 +94,6 @@ def film_size_px(ipd_px: float) -> int:
     if not ipd_px > 0:
         raise ValueError(f"the IPD must be positive, got {ipd_px} px")
     return max(FRAME_IPDS * round(ipd_px), MIN_FILM_PX)
-
-
-def resolution_band(ipd_px: float) -> Band:
-    """Return the paper's name for that resolution (Fig. 1): very low, medium, upper low, high.
-
-    Raises:
-        ValueError: The IPD is not positive.
-
-    Example:
-        >>> [resolution_band(ipd) for ipd in (12.9, 13, 25, 50)]
-        ['VLR', 'MLR', 'ULR', 'HR']
-    """
-    if not ipd_px > 0:
-        raise ValueError(f"the IPD must be positive, got {ipd_px} px")
-    if ipd_px < 13:
-        return "VLR"
-    if ipd_px < 25:
-        return "MLR"
-    return "ULR" if ipd_px < 50 else "HR"
 
 
 @dataclass(frozen=True)
@@ -264,3 +219,12 @@ def _viewpoint(
     level = Viewpoint(np.zeros(3), film_px, focal_px, elevation_deg)
     centre = np.array([*shift_mm, away_mm]) @ level.axes()
     return Viewpoint(centre, film_px, focal_px, elevation_deg)
+
+
+def world_to_head(pose: Pose) -> NDArray[np.float64]:
+    """Return the ``(4, 4)`` matrix that takes the posed world back into the frame of the head."""
+    rotation = pose.rotation().T
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    matrix[:3, 3] = PIVOT_MM - rotation @ PIVOT_MM
+    return matrix

@@ -20,6 +20,7 @@ from lrsr.rendering.backend import start
 from lrsr.rendering.glass import D_LINE_NM, coefficients, index_of_ray
 from lrsr.rendering.lens import CHANNELS_NM
 from lrsr.rendering.mounted_lens import MountedLens
+from lrsr.rendering.pixel_filter import describe_film
 from lrsr.rendering.wavelengths import draw_wavelengths
 
 ROW = 10
@@ -73,12 +74,10 @@ def lens_sensor(
     Returns:
         ``mi.Sensor``; it renders by ``mi.render``, too.
     """
-    from lrsr.rendering.film import describe_film
-
     mi = start()
     properties = mi.Properties()
-    properties["film"] = mi.load_dict(describe_film(side))
-    properties["sampler"] = mi.load_dict({"type": "multijitter", "sample_count": samples})
+    for name, description in describe_film(side, samples).items():
+        properties[name] = mi.load_dict(description)
     return _sensor_class()(properties, mounted, to_world, slope, disperse, span_nm)
 
 

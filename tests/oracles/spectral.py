@@ -19,7 +19,7 @@ from lrsr.presets import preset
 from lrsr.rendering import stage
 from lrsr.rendering.backend import start
 from lrsr.rendering.skin_spectrum import skin_albedo
-from lrsr.rendering.upsampling import filters, light_bands, meter_bands
+from lrsr.rendering.spectral_upsampling import filters, light_bands, meter_bands
 from lrsr.rendering.wavelengths import draw_wavelengths, split
 from lrsr.spectra import band_edges, srgb_weights
 

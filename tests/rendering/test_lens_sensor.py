@@ -15,7 +15,7 @@ from scipy.stats import norm
 
 from lrsr.presets import preset
 from lrsr.rendering.backend import start
-from lrsr.rendering.film import describe_film, describe_sensor, expose, make_sensor
+from lrsr.rendering.exposure import describe_film, describe_sensor, expose, make_sensor
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint, place_camera
 from lrsr.rendering.lens import CHANNELS_NM, Lens, biconvex
 from lrsr.rendering.lens_sensor import ROW, lens_sensor, table
@@ -130,7 +130,7 @@ def test_a_thin_lens_does_not_fall_off(renderer: Studio) -> None:
 
 def blurred(renderer: Studio, lens: Lens, seed: int, depth_mm: float = FOCUS_MM) -> np.ndarray:
     head = stand_in(1)
-    scene = renderer._stage.show(head, LIGHTINGS["side"], FRONTAL)
+    scene = renderer._live.show(head, LIGHTINGS["side"], FRONTAL)
     viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
     return expose(
         scene,
@@ -156,7 +156,7 @@ def test_our_thin_lens_is_mitsubas(renderer: Studio) -> None:
     ours = [blurred(renderer, lens, seed, 600.0) for seed in range(8)]
     description = describe_sensor(viewpoint, FRONTAL, viewpoint.film_px, 256)
     description |= {"type": "thinlens", "aperture_radius": 15.0, "focus_distance": 600.0}
-    sensor, scene = mi.load_dict(description), renderer._stage._scene
+    sensor, scene = mi.load_dict(description), renderer._live._scene
     theirs = [
         np.array(mi.render(scene, sensor=sensor, integrator=renderer._path(), spp=256, seed=s))
         for s in range(100, 108)
@@ -247,7 +247,7 @@ def test_mitsuba_renders_with_the_sensor(renderer: Studio) -> None:
     """As a plain sensor of ``mi.render``: the same picture as that of our film, within noise."""
     mi = start()
     head = stand_in(1)
-    scene = renderer._stage.show(head, LIGHTINGS["side"], FRONTAL)
+    scene = renderer._live.show(head, LIGHTINGS["side"], FRONTAL)
     viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
     lens = LENSES["double_gauss"]
     sensor = make_sensor(viewpoint, FRONTAL, viewpoint.film_px, 256, lens, 380.0)

@@ -75,7 +75,7 @@ def test_the_ipd_in_the_picture_is_what_was_asked_for(dot_renderer: Studio, seed
 @pytest.mark.parametrize("pose", [*POSES.values(), FAR], ids=lambda pose: pose.name)
 def test_landmarks_stay_well_inside_the_frame(pose: Pose, monkeypatch: pytest.MonkeyPatch) -> None:
     quick = Studio()
-    monkeypatch.setattr(quick._stage, "show", lambda *_: None)
+    monkeypatch.setattr(quick._live, "show", lambda *_: None)
     monkeypatch.setattr(quick, "_path", lambda: None)
     monkeypatch.setattr(module, "expose", lambda *_, **__: np.zeros((32, 32, 3), np.float32))
     for seed in range(20):
@@ -152,7 +152,7 @@ def test_every_scale_has_the_same_rays_and_no_pixel_fewer_than_16(
 ) -> None:
     asked = {}
     quick = Studio()
-    monkeypatch.setattr(quick._stage, "show", lambda *_: None)
+    monkeypatch.setattr(quick._live, "show", lambda *_: None)
     monkeypatch.setattr(quick, "_path", lambda: None)
 
     def record(*_: object, **settings: int) -> np.ndarray:

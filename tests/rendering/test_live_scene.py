@@ -11,7 +11,7 @@ from lrsr.identities.head import Head, Part
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light
 from lrsr.rendering.pose import Pose
-from lrsr.rendering.stage import topology, vertex_normals, world_to_head
+from lrsr.rendering.live_scene import topology, vertex_normals, world_to_head
 
 CLOUDY = Lighting("cloudy", (), fill_share=1.0)
 SETTINGS = {"ipd_px": 4.0, "samples_per_pixel": 16}

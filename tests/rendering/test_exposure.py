@@ -9,7 +9,7 @@ from scipy.stats import norm
 from lrsr.errors import InputError
 from lrsr.rendering import film
 from lrsr.rendering.backend import start
-from lrsr.rendering.film import describe_sensor, expose, grid_samples, pass_seed
+from lrsr.rendering.exposure import describe_sensor, expose, grid_samples, pass_seed
 from lrsr.rendering.geometry import place_camera
 from lrsr.rendering.lighting import Lighting
 
@@ -18,7 +18,7 @@ POSE = POSES["left"]
 
 def pictures(renderer: Studio, count: int, samples: int, *, own: bool) -> np.ndarray:
     head = stand_in(0)
-    scene = renderer._stage.show(head, LIGHTINGS["side"], POSE)
+    scene = renderer._live.show(head, LIGHTINGS["side"], POSE)
     viewpoint = place_camera(head.pupils, 6.0, offset_mm=POSE.frame_offset_mm())
     integrator = renderer._path()
     if own:

@@ -11,7 +11,7 @@ from oracles.heads import ellipsoid_part, stand_in
 from lrsr.identities.head import Head
 from lrsr.rendering import stage
 from lrsr.rendering.backend import start
-from lrsr.rendering.lamps import describe_panels, map_data, move_panels, opaque
+from lrsr.rendering.live_lights import describe_panels, map_data, move_panels, opaque
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light, Panel
 

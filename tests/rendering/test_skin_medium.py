@@ -5,7 +5,7 @@ import pytest
 from fakes.scenes import SKINS, Studio
 from oracles.heads import stand_in
 
-from lrsr.rendering.volume import FROM_OUTSIDE, medium_numbers
+from lrsr.rendering.skin_medium import FROM_OUTSIDE, medium_numbers
 
 
 def test_skin1_is_the_same_in_everybody() -> None:
