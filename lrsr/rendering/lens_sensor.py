@@ -23,11 +23,11 @@ from lrsr.rendering.mounted_lens import MountedLens
 from lrsr.rendering.pixel_filter import describe_film
 from lrsr.rendering.wavelengths import draw_wavelengths
 
-ROW = 10
+_ROW = 10
 """Numbers of a surface in the table."""
 
 
-def table(mounted: MountedLens) -> NDArray[np.float64]:
+def _table(mounted: MountedLens) -> NDArray[np.float64]:
     """Return what a ray from the film meets, ``(N, 10)``, nearest the film first.
 
     Columns: vertex before the film (mm), curvature (1/mm, > 0 if the centre lies towards the
@@ -143,7 +143,7 @@ def _opaque(sensor: Any) -> dict[str, Any]:
 
     mi = start()
     mounted = sensor._mounted
-    rows = table(mounted)
+    rows = _table(mounted)
     scalars = {
         "width": sensor._width,
         "pupil": mounted.pupil_mm,
@@ -242,7 +242,7 @@ def _colours(sensor: Any, sample: Any, number: dict[str, Any]) -> tuple[Any, Any
     return mi.Color0f(), traced, dr.select(spread, ones, mi.Spectrum(1.0))
 
 
-def _refract(table: Any, count: Any, point: Any, way: Any, traced_um: Any, active: Any) -> Any:
+def _refract(rows: Any, count: Any, point: Any, way: Any, traced_um: Any, active: Any) -> Any:
     """Refract at one surface after the other, as :func:`lrsr.rendering.surfaces.trace` does."""
     import drjit as dr
 
@@ -250,7 +250,7 @@ def _refract(table: Any, count: Any, point: Any, way: Any, traced_um: Any, activ
 
     def meet(row: Any, point: Any, way: Any, before: Any, alive: Any) -> tuple[Any, ...]:
         vertex, c, square, power, *glass = (
-            dr.gather(mi.Float, table, ROW * row + column, alive) for column in range(ROW)
+            dr.gather(mi.Float, rows, _ROW * row + column, alive) for column in range(_ROW)
         )
         local = point - mi.Vector3f(0, 0, vertex)
         local = local - (local.z * dr.rcp(way.z)) * way

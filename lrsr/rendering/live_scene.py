@@ -139,18 +139,18 @@ class LiveScene:
         values["faces"] = np.ascontiguousarray(part.faces, dtype=np.uint32).ravel()
         values["vertex_texcoords"] = part.uv.ravel()
         values["vertex_positions"] = part.vertices.ravel()
-        self._around[part.name] = faces_around(part.faces, len(part.vertices))
-        normals = vertex_normals(part.vertices, part.faces, self._around[part.name])
+        self._around[part.name] = _faces_around(part.faces, len(part.vertices))
+        normals = _vertex_normals(part.vertices, part.faces, self._around[part.name])
         values["vertex_normals"] = normals.ravel()
         values.update()
         if part.material == "skin" and self._model() == "subsurface":
-            self._surfaces.append(skin_surface(mesh, textures))
+            self._surfaces.append(_skin_surface(mesh, textures))
         return mesh
 
     def _update_head(self, head: Head, shown: Head) -> None:
         for new, old in zip(head.parts, shown.parts, strict=True):
             if not _same(new.vertices, old.vertices):
-                normals = vertex_normals(new.vertices, new.faces, self._around[new.name])
+                normals = _vertex_normals(new.vertices, new.faces, self._around[new.name])
                 self._parameters[f"{new.name}.vertex_positions"] = new.vertices.ravel()
                 self._parameters[f"{new.name}.vertex_normals"] = normals.ravel()
             for (name, texture), (_, before) in zip(_textures(new), _textures(old), strict=True):
@@ -228,7 +228,7 @@ def bitmap(name: str, texture: NDArray[np.float32]) -> Any:
     )
 
 
-def skin_surface(mesh: Any, textures: Mapping[str, Any]) -> Any:
+def _skin_surface(mesh: Any, textures: Mapping[str, Any]) -> Any:
     """Return what the tracer of translucent skin needs to know of a mesh with those textures."""
     from lrsr.rendering.painted_skin import SkinSurface
 
@@ -244,7 +244,7 @@ def _warn_of_scalar() -> None:
     logger.warning("translucent skin needs LLVM or CUDA: it is drawn reflective instead")
 
 
-def faces_around(faces: NDArray[np.int32], vertices: int) -> csr_array:
+def _faces_around(faces: NDArray[np.int32], vertices: int) -> csr_array:
     """Return the ``(V, F)`` matrix of ones that adds up what belongs to the faces at a vertex."""
     corners = faces.ravel()
     order = np.argsort(corners, kind="stable")
@@ -253,7 +253,7 @@ def faces_around(faces: NDArray[np.int32], vertices: int) -> csr_array:
     return csr_array((ones, order // 3, np.append(0, ends)), shape=(vertices, len(faces)))
 
 
-def vertex_normals(
+def _vertex_normals(
     vertices: NDArray[np.float32], faces: NDArray[np.int32], around: csr_array
 ) -> NDArray[np.float32]:
     """Average the faces' normals at each vertex, weighted by area.
@@ -264,7 +264,7 @@ def vertex_normals(
     Args:
         vertices: ``(V, 3)``.
         faces: ``(F, 3)``, counter-clockwise seen from outside.
-        around: Of :func:`faces_around`.
+        around: Of ``_faces_around``.
 
     Returns:
         ``(V, 3)`` float32, unit length; (0, 0, 1) at a vertex without faces.

@@ -9,6 +9,7 @@ import torch
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
 from lrsr.presets import preset
+from lrsr.rendering.backend import alone
 from lrsr.rendering.environment import environment
 from lrsr.rendering.exposure import expose
 from lrsr.rendering.geometry import place_camera
@@ -44,6 +45,7 @@ class Renderer:
         self.max_depth = max_depth
         self._live = LiveScene(skin)
 
+    @alone()
     def render(
         self,
         head: Head,
@@ -131,6 +133,7 @@ def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:
     return {"edges_nm": edges, "metered_bands": meter_bands(lighting, edges)}
 
 
+@alone()
 @cache
 def _shared_renderer(skin: Skin, max_depth: int) -> Renderer:
     """Return the process's one renderer of that skin: its scene and kernels are used again."""

@@ -11,11 +11,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from lrsr.evaluation.streaming import estimate_auc_of_embeddings
 from pytest_benchmark.fixture import BenchmarkFixture
 from sklearn.metrics import roc_auc_score
 
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
-from lrsr.evaluation.streaming import estimate_auc_of_embeddings
 
 M, N = 500, 249_500
 

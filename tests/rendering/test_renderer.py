@@ -20,8 +20,8 @@ import lrsr.rendering
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
 from lrsr.images import linear_to_srgb
+from lrsr.rendering import live_scene
 from lrsr.rendering import renderer as module
-from lrsr.rendering import stage
 from lrsr.rendering.environment import environment
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.pose import Pose
@@ -99,7 +99,7 @@ def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], 
 def test_the_meter_reads_what_a_grey_sphere_sends(
     name: str, monkeypatch: pytest.MonkeyPatch, sphere_renderer: Studio
 ) -> None:
-    monkeypatch.setattr(stage, "bsdf", lambert)
+    monkeypatch.setattr(live_scene, "bsdf", lambert)
     radius, distance = 60.0, 1e4
     ball = ellipsoid_part("skin", "skin", (radius,) * 3, (0, -12.6, 0), np.full((2, 2, 3), 0.18))
     pupils = np.array([[-31.5, 0, 0], [31.5, 0, 0]])
