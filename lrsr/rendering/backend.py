@@ -15,7 +15,9 @@ import re
 import subprocess
 import sys
 import sysconfig
+import threading
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
@@ -28,11 +30,17 @@ from lrsr.paths import cache_folder
 
 logger = logging.getLogger(__name__)
 
-VARIANTS = ("cuda_ad_rgb", "llvm_ad_rgb", "scalar_rgb", "cuda_ad_spectral", "llvm_ad_spectral")
-PROBE_SECONDS = 120
+_LOCK = threading.RLock()
+if hasattr(os, "register_at_fork"):  # no child is born with the lock held by a thread it lacks
+    os.register_at_fork(
+        before=_LOCK.acquire, after_in_parent=_LOCK.release, after_in_child=_LOCK.release
+    )
+
+_VARIANTS = ("cuda_ad_rgb", "llvm_ad_rgb", "scalar_rgb", "cuda_ad_spectral", "llvm_ad_spectral")
+_PROBE_SECONDS = 120
 """A candidate that has not rendered a triangle by then counts as broken."""
 
-TIMED_OUT = f"no answer in {PROBE_SECONDS} s"
+_TIMED_OUT = f"no answer in {_PROBE_SECONDS} s"
 
 _SYSTEM_FOLDERS = ("/usr/lib", "/usr/lib64", "/usr/local/lib", "/opt/homebrew/opt/llvm/lib")
 
@@ -58,7 +66,7 @@ if not 0 < mean < 10:
 
 
 @dataclass(frozen=True)
-class Backend:
+class _Backend:
     """What renders.
 
     Attributes:
@@ -72,40 +80,42 @@ class Backend:
     llvm: Path | None = None
 
 
-def choose_variant(candidates: Sequence[Path] | None = None) -> Backend:
+def choose_variant(candidates: Sequence[Path] | None = None) -> _Backend:
     """Choose the fastest variant that works on this machine; ``$LRSR_VARIANT`` overrides it.
 
     Args:
-        candidates: LLVM libraries to try, in that order; None: :func:`find_llvm`.
+        candidates: LLVM libraries to try, in that order; None: ``_find_llvm``.
 
     Raises:
-        InputError: ``$LRSR_VARIANT`` names none of :data:`VARIANTS`, or one that cannot run here.
+        InputError: ``$LRSR_VARIANT`` is unknown, or cannot run here.
     """
     wanted = os.environ.get("LRSR_VARIANT")
-    if wanted and wanted not in VARIANTS:
-        raise InputError(f"LRSR_VARIANT={wanted}: choose one of {', '.join(VARIANTS)}, or unset it")
+    if wanted and wanted not in _VARIANTS:
+        raise InputError(
+            f"LRSR_VARIANT={wanted}: choose one of {', '.join(_VARIANTS)}, or unset it"
+        )
     said = f"LRSR_VARIANT={wanted}" if wanted else None
     if wanted == "scalar_rgb":
-        return Backend("scalar_rgb", f"{said} (slow)")
+        return _Backend("scalar_rgb", f"{said} (slow)")
     tried = []
     traced = "spectral" if wanted and wanted.endswith("spectral") else "rgb"
     cuda, llvm = f"cuda_ad_{traced}", f"llvm_ad_{traced}"
     if wanted in (None, cuda):
         if (driver := _cuda_driver()) and not (fault := _probe(cuda, None, driver)):
-            return Backend(cuda, said or "a CUDA device renders")
+            return _Backend(cuda, said or "a CUDA device renders")
         tried.append(f"CUDA: {fault if driver else 'no driver'}")
     if wanted in (None, llvm):
-        for library in find_llvm() if candidates is None else candidates:
+        for library in _find_llvm() if candidates is None else candidates:
             if not (fault := _probe(llvm, library, _stamp(library))):
-                return Backend(llvm, said or f"{library} renders", library)
+                return _Backend(llvm, said or f"{library} renders", library)
             tried.append(f"{library}: {fault}")
     faults = "; ".join(tried) or "no LLVM found"
     if wanted:
         raise InputError(f"LRSR_VARIANT={wanted} does not work here ({faults}); unset it")
-    return Backend("scalar_rgb", f"{faults}; slow: pip install karellen-llvm-core")
+    return _Backend("scalar_rgb", f"{faults}; slow: pip install karellen-llvm-core")
 
 
-def find_llvm() -> list[Path]:
+def _find_llvm() -> list[Path]:
     """List the LLVM libraries worth trying, best first, each file once.
 
     ``$DRJIT_LIBLLVM_PATH``; what pip installed into this environment (karellen-llvm-core); the
@@ -123,13 +133,37 @@ def find_llvm() -> list[Path]:
     return [path for path in found if unique.get(path.resolve()) is path]
 
 
-@cache
+@contextmanager
+def alone() -> Iterator[None]:
+    """Let one thread at a time use Mitsuba; decorates a function, too.
+
+    The first import and a live scene are not for two. All cores trace each picture anyway.
+
+    Raises:
+        InputError: Mitsuba was started before this process was forked: its threads are gone.
+    """
+    with _LOCK:
+        if _begin.cache_info().currsize and _begin()[1] != os.getpid():
+            raise InputError(
+                f"process {os.getpid()} was forked after its parent had started Mitsuba, which does"
+                " not survive that: start it by multiprocessing's 'spawn' or 'forkserver'"
+            )
+        yield
+
+
+@alone()
 def start() -> Any:
     """Import Mitsuba with the chosen variant set, say once which and why, and return the module.
 
     Raises:
-        InputError: ``$LRSR_VARIANT`` cannot be met.
+        InputError: ``$LRSR_VARIANT`` cannot be met, or see :func:`alone`.
     """
+    return _begin()[0]
+
+
+@cache
+def _begin() -> tuple[Any, int]:
+    """Return the module and the process that started it."""
     backend = choose_variant()
     if backend.llvm is not None:
         os.environ["DRJIT_LIBLLVM_PATH"] = str(backend.llvm)
@@ -138,7 +172,7 @@ def start() -> Any:
     mitsuba.set_variant(backend.variant)
     level = logging.WARNING if backend.variant == "scalar_rgb" else logging.INFO
     logger.log(level, "rendering with %s: %s", backend.variant, backend.reason)
-    return mitsuba
+    return mitsuba, os.getpid()
 
 
 def _libraries(folder: Path) -> Iterator[Path]:
@@ -186,7 +220,7 @@ def _probe(variant: str, library: Path | None, stamp: str) -> str:
     except (OSError, ValueError, KeyError, TypeError):
         pass
     fault = _run_probe(variant, library)
-    if fault == TIMED_OUT:
+    if fault == _TIMED_OUT:
         return fault  # a busy machine says nothing about the library
     try:
         write_json(record, {"variant": variant, "stamp": stamp, "fault": fault})
@@ -205,11 +239,11 @@ def _run_probe(variant: str, library: Path | None) -> str:
             env=environment,
             capture_output=True,
             text=True,
-            timeout=PROBE_SECONDS,
+            timeout=_PROBE_SECONDS,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return TIMED_OUT
+        return _TIMED_OUT
     if child.returncode == 0:
         return ""
     words = (child.stderr or child.stdout).strip().splitlines()

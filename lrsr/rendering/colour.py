@@ -11,7 +11,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 COOLEST_K, HOTTEST_K = 2000.0, 25000.0
 """Cooler light is redder than any sRGB colour; the formulas end at the hottest."""
 
-DAYLIGHT_K = 4000.0
+_DAYLIGHT_K = 4000.0
 """From here on daylight, below a black body: what a lamp and what a window are named by."""
 
 _XYZ_TO_RGB = np.array(
@@ -26,7 +26,7 @@ _XYZ_TO_RGB = np.array(
 def chromaticity(kelvin: float) -> tuple[float, float]:
     """Return the CIE 1931 (x, y) of light of that colour temperature.
 
-    A black body's by Krystek 1985 (rational fit in u, v) below :data:`DAYLIGHT_K`; from there on
+    A black body's by Krystek 1985 (rational fit in u, v) below ``_DAYLIGHT_K``; from there on
     that of the CIE's daylight (CIE 15:2004, equations 3.2 to 3.4), which is a little greener.
 
     Args:
@@ -44,7 +44,7 @@ def chromaticity(kelvin: float) -> tuple[float, float]:
             f"colour temperature {kelvin} K: give {COOLEST_K:.0f} to {HOTTEST_K:.0f}, or rgb"
         )
     t = float(kelvin)
-    if t < DAYLIGHT_K:
+    if t < _DAYLIGHT_K:
         u = 0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t**2
         u /= 1 + 8.42420235e-4 * t + 7.08145163e-7 * t**2
         v = 0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t**2

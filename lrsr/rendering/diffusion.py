@@ -20,13 +20,13 @@ Lengths are in mean free paths, l = 1 / (σa + σs').
 import math
 from typing import Any
 
-FIT_RANGE = (0.016, 0.81)
+_FIT_RANGE = (0.016, 0.81)
 """Diffuse albedos that the fits were made for; beyond, the nearest width serves."""
 
 NEAR = 0.19
 """Width of the narrow exponential, mean free paths, for every albedo."""
 
-GROWTH_RANGE = (-0.5, 0.5)
+_GROWTH_RANGE = (-0.5, 0.5)
 """How far curvature may shift the logit of an albedo: lids, lips and grooves are no spheres."""
 
 _WEIGHT = (-0.573, -9.373, 11.488, -5.467)
@@ -44,7 +44,7 @@ def near_weight(albedo: Any) -> Any:
         >>> round(near_weight(0.413), 3)
         0.057
     """
-    a = _clip(albedo, *FIT_RANGE)
+    a = _clip(albedo, *_FIT_RANGE)
     return _exp(_cubic(_WEIGHT, a))
 
 
@@ -58,7 +58,7 @@ def far_width(albedo: Any) -> Any:
         >>> round(far_width(0.413), 2)
         2.44
     """
-    a = _clip(albedo, *FIT_RANGE)
+    a = _clip(albedo, *_FIT_RANGE)
     return _cubic(_FAR, a) + _FAR_SIXTH * (a * a * a) * (a * a * a)
 
 
@@ -79,30 +79,13 @@ def scattering_albedo(albedo: Any) -> Any:
     return 1 - _exp(-6.235 * a**0.76264 - 3.3475 * a**6.1069)
 
 
-def diffuse_albedo(scattering: float) -> float:
-    """Return the diffuse albedo A of a medium; the inverse of :func:`scattering_albedo`.
-
-    Args:
-        scattering: Reduced single-scattering albedo, [0, 1).
-
-    Example:
-        >>> round(diffuse_albedo(0.88 / (0.88 + 0.17)), 2)
-        0.2
-    """
-    low, high = 0.0, 1.0
-    for _ in range(40):
-        middle = (low + high) / 2
-        low, high = (middle, high) if scattering_albedo(middle) < scattering else (low, middle)
-    return low
-
-
 def curved_gain(albedo: Any, curvature: Any) -> Any:
     """Return how much more light comes back where skin is curved than on a plane.
 
     Light that would run along a plane for long meets the surface of a ball sooner, and less of it
     is absorbed. In spheres the simulation has the logit of A grow by m κ with m = (0.55 + 2.85 √A)
     / (1 - A), for A from 0.06 to 0.81 and radii of 4 to 300 mean free paths; the result is within
-    4 % of it where the shift stays in :data:`GROWTH_RANGE`. At A = 1 nothing is absorbed and
+    4 % of it where the shift stays in ``_GROWTH_RANGE``. At A = 1 nothing is absorbed and
     nothing gained.
 
     Args:
@@ -118,7 +101,7 @@ def curved_gain(albedo: Any, curvature: Any) -> Any:
     """
     a = _clip(albedo, 0.0, 0.999)
     root = a**0.5
-    grown = _exp(_clip(curvature * (0.55 + 2.85 * root) / (1 - a), *GROWTH_RANGE))
+    grown = _exp(_clip(curvature * (0.55 + 2.85 * root) / (1 - a), *_GROWTH_RANGE))
     return grown / (1 - albedo + albedo * grown)
 
 

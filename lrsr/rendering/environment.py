@@ -11,11 +11,8 @@ from lrsr.rendering.colour import LUMINANCE
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Panel
 
-MAP_HEIGHT_PX = 64
+_MAP_HEIGHT_PX = 64
 """Rows of the environment map, one per 2.9°; twice as many columns."""
-
-GREY = 0.18
-"""Reflectance of the meter's sphere."""
 
 _PANEL_STEPS = 24
 """Points along each side of a panel at which the meter looks at it."""
@@ -82,7 +79,7 @@ def _paint_lights(
     radiance = np.zeros((*solid_angles.shape, 3))
     for light in lighting.lights:
         angle = np.arccos(np.clip(directions @ light.direction(), -1, 1))
-        edge = math.pi / (MAP_HEIGHT_PX - 1)  # one pixel wide, so that small discs keep their shape
+        edge = math.pi / (_MAP_HEIGHT_PX - 1)  # a pixel wide: small discs keep their shape
         disc = np.clip((math.radians(light.diameter_deg) / 2 - angle) / edge + 0.5, 0, 1)
         facing = np.clip(directions @ light.direction(), 0, None)
         level = light.irradiance / float((disc * facing * solid_angles).sum())
@@ -100,9 +97,9 @@ def _room(lighting: Lighting, meter: NDArray[np.float64]) -> NDArray[np.float64]
     """
     if lighting.map is None:
         return np.ones((*meter.shape, 3))
-    from lrsr.rendering.room_map import load_map
+    from lrsr.rendering.panorama import load_map
 
-    room = load_map(lighting.map, lighting.map_deg, MAP_HEIGHT_PX)
+    room = load_map(lighting.map, lighting.map_deg, _MAP_HEIGHT_PX)
     read = float((room * lighting.fill_colour @ LUMINANCE * meter).sum())
     if not read > 0:
         raise InputError(f"map {lighting.map} lights nothing: it is black on all sides of the face")
@@ -159,8 +156,8 @@ def _seen(
 
 def map_grid() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return directions ``(H, 2H, 3)`` and solid angles ``(H, 2H)`` that sum to 4π."""
-    theta = np.linspace(0, np.pi, MAP_HEIGHT_PX)
-    phi = 2 * np.pi * (np.arange(2 * MAP_HEIGHT_PX) + 0.5) / (2 * MAP_HEIGHT_PX)
+    theta = np.linspace(0, np.pi, _MAP_HEIGHT_PX)
+    phi = 2 * np.pi * (np.arange(2 * _MAP_HEIGHT_PX) + 0.5) / (2 * _MAP_HEIGHT_PX)
     theta, phi = np.meshgrid(theta, phi, indexing="ij")
     directions = np.stack(
         [np.sin(phi) * np.sin(theta), np.cos(theta), -np.cos(phi) * np.sin(theta)], axis=-1

@@ -6,27 +6,24 @@ Pure arithmetic, no renderer. World frame: the head frame of a face that looks s
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.rendering.pose import FOLLOW, PIVOT_MM
-
-Band = Literal["VLR", "MLR", "ULR", "HR"]
+from lrsr.rendering.pose import FOLLOW, PIVOT_MM, Pose
 
 FRAME_IPDS = 4
 """Side of the square frame in interpupillary distances: the face with some hair and neck."""
 
-MIN_FILM_PX = 16
+_MIN_FILM_PX = 16
 """No film of the first scale is smaller: an SRCNN of 9-1-5 eats 12 pixels."""
 
-FRAME_DROP_IPDS = 0.2
+_FRAME_DROP_IPDS = 0.2
 """How far the frame's centre lies below the pupils, in IPDs, so that crown and chin both fit."""
 
 
 @dataclass(frozen=True)
-class ReferenceCamera:
+class _ReferenceCamera:
     """The Axis P1435-LE of the paper; any other pinhole by other numbers.
 
     Attributes:
@@ -45,66 +42,31 @@ class ReferenceCamera:
     pitch_um: float = 2.65
     view_deg: tuple[float, float] = (95.0, 51.0)
 
-    def distance_m(self, ipd_px: float, ipd_mm: float) -> float:
-        """Return how far the camera stands for a frontal face of that size: d = f IPD / (px pitch).
 
-        Args:
-            ipd_px: Interpupillary distance on the sensor, px, > 0.
-            ipd_mm: Interpupillary distance of the person, mm, > 0.
-
-        Returns:
-            Camera to pupils, m.
-
-        Raises:
-            ValueError: An argument is not positive.
-
-        Example:
-            >>> round(ReferenceCamera().distance_m(8, 63.0), 1)
-            8.9
-        """
-        if not (ipd_px > 0 and ipd_mm > 0):
-            raise ValueError(f"IPDs must be positive, got {ipd_px} px and {ipd_mm} mm")
-        return self.focal_mm * ipd_mm / (ipd_px * self.pitch_um)
-
-    def airy_radius_um(self, wavelength_nm: float) -> float:
-        r"""Return the radius of the first dark ring of the Airy disk on the sensor.
-
-        q₁ = 1.22 λ / (2A) with the numerical aperture A = 1/√(4N² + 1), as in the paper.
-
-        Args:
-            wavelength_nm: Of the light, nm, > 0.
-
-        Returns:
-            Radius, µm.
-
-        Raises:
-            ValueError: The wavelength is not positive.
-
-        Example:
-            >>> round(ReferenceCamera().airy_radius_um(700), 2)
-            1.27
-        """
-        if not wavelength_nm > 0:
-            raise ValueError(f"the wavelength must be positive, got {wavelength_nm} nm")
-        aperture = 1 / math.sqrt(4 * self.f_number**2 + 1)
-        return 1.22 * wavelength_nm * 1e-3 / (2 * aperture)
-
-
-AXIS_P1435LE = ReferenceCamera()
+AXIS_P1435LE = _ReferenceCamera()
 """The reference camera: 1920 × 1080, 3 mm, F/1.4, 95° × 51°, pixels 2.65 µm high."""
 
 
 def distance_m(ipd_px: float, ipd_mm: float) -> float:
-    """Return the distance of a face to :data:`AXIS_P1435LE`; see its method.
+    """Return how far the reference camera stands for a frontal face: d = f IPD / (px pitch).
+
+    Args:
+        ipd_px: Interpupillary distance on the sensor, px, > 0.
+        ipd_mm: Interpupillary distance of the person, mm, > 0.
+
+    Returns:
+        Camera to pupils, m.
 
     Raises:
         ValueError: An argument is not positive.
 
     Example:
-        >>> distance_m(16, 63.0) == distance_m(8, 63.0) / 2
-        True
+        >>> round(distance_m(8, 63.0), 1)
+        8.9
     """
-    return AXIS_P1435LE.distance_m(ipd_px, ipd_mm)
+    if not (ipd_px > 0 and ipd_mm > 0):
+        raise ValueError(f"IPDs must be positive, got {ipd_px} px and {ipd_mm} mm")
+    return AXIS_P1435LE.focal_mm * ipd_mm / (ipd_px * AXIS_P1435LE.pitch_um)
 
 
 def film_size_px(ipd_px: float) -> int:
@@ -119,26 +81,7 @@ def film_size_px(ipd_px: float) -> int:
     """
     if not ipd_px > 0:
         raise ValueError(f"the IPD must be positive, got {ipd_px} px")
-    return max(FRAME_IPDS * round(ipd_px), MIN_FILM_PX)
-
-
-def resolution_band(ipd_px: float) -> Band:
-    """Return the paper's name for that resolution (Fig. 1): very low, medium, upper low, high.
-
-    Raises:
-        ValueError: The IPD is not positive.
-
-    Example:
-        >>> [resolution_band(ipd) for ipd in (12.9, 13, 25, 50)]
-        ['VLR', 'MLR', 'ULR', 'HR']
-    """
-    if not ipd_px > 0:
-        raise ValueError(f"the IPD must be positive, got {ipd_px} px")
-    if ipd_px < 13:
-        return "VLR"
-    if ipd_px < 25:
-        return "MLR"
-    return "ULR" if ipd_px < 50 else "HR"
+    return max(FRAME_IPDS * round(ipd_px), _MIN_FILM_PX)
 
 
 @dataclass(frozen=True)
@@ -210,7 +153,7 @@ def place_camera(
 ) -> Viewpoint:
     """Place the camera so that the frontal pupils are exactly ``ipd_px`` apart on the ×1 film.
 
-    The optical axis passes :data:`FRAME_DROP_IPDS` below the point midway between the pupils. The
+    The optical axis passes ``_FRAME_DROP_IPDS`` below the point midway between the pupils. The
     distance follows from the reference camera; or it is given, and the focal length follows.
 
     Args:
@@ -234,7 +177,7 @@ def place_camera(
             f"a camera {above_m} m above the eyes cannot be {away_mm / 1000:.3g} m from them"
         )
     focal_px = 1000 * AXIS_P1435LE.focal_mm / AXIS_P1435LE.pitch_um
-    height_mm = -FRAME_DROP_IPDS * ipd_mm
+    height_mm = -_FRAME_DROP_IPDS * ipd_mm
     # Pupils off the plane z = 0, or not level, make the first guess miss by parts in a thousand.
     for _ in range(8):
         lift_mm = _lift_mm(math.asin(1000 * above_m / away_mm))
@@ -264,3 +207,12 @@ def _viewpoint(
     level = Viewpoint(np.zeros(3), film_px, focal_px, elevation_deg)
     centre = np.array([*shift_mm, away_mm]) @ level.axes()
     return Viewpoint(centre, film_px, focal_px, elevation_deg)
+
+
+def world_to_head(pose: Pose) -> NDArray[np.float64]:
+    """Return the ``(4, 4)`` matrix that takes the posed world back into the frame of the head."""
+    rotation = pose.rotation().T
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    matrix[:3, 3] = PIVOT_MM - rotation @ PIVOT_MM
+    return matrix

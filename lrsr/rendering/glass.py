@@ -16,12 +16,6 @@ from lrsr.errors import InputError
 D_LINE_NM = 587.5618
 """Of helium: where a glass has its index n_d and a lens its focal length."""
 
-F_LINE_NM = 486.1327
-"""Blue line of hydrogen."""
-
-C_LINE_NM = 656.2725
-"""Red line of hydrogen."""
-
 AIR = "air"
 
 SELLMEIER: dict[str, tuple[float, float, float, float, float, float]] = {
@@ -68,22 +62,6 @@ def refractive_index(glass: str, wavelength_nm: ArrayLike = D_LINE_NM) -> NDArra
     squared = (np.asarray(wavelength_nm, dtype=np.float64) / 1000) ** 2
     terms = b * squared[..., None] / (squared[..., None] - c)
     return np.asarray(np.sqrt(1 + terms.sum(axis=-1)))
-
-
-def abbe_number(glass: str) -> float:
-    """Return V_d = (n_d - 1) / (n_F - n_C), how little the glass spreads colours.
-
-    Raises:
-        InputError: The glass is not known, or is air, which spreads none.
-
-    Example:
-        >>> round(abbe_number("N-BK7"), 2)
-        64.17
-    """
-    n_d, n_f, n_c = refractive_index(glass, [D_LINE_NM, F_LINE_NM, C_LINE_NM])
-    if n_f == n_c:
-        raise InputError(f"glass {glass!r} has no Abbe number: it spreads no colours")
-    return float((n_d - 1) / (n_f - n_c))
 
 
 def index_of_ray(rows: Any, wavelength_um: Any, root: Any) -> Any:

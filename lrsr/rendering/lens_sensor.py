@@ -20,13 +20,14 @@ from lrsr.rendering.backend import start
 from lrsr.rendering.glass import D_LINE_NM, coefficients, index_of_ray
 from lrsr.rendering.lens import CHANNELS_NM
 from lrsr.rendering.mounted_lens import MountedLens
+from lrsr.rendering.pixel_filter import describe_film
 from lrsr.rendering.wavelengths import draw_wavelengths
 
-ROW = 10
+_ROW = 10
 """Numbers of a surface in the table."""
 
 
-def table(mounted: MountedLens) -> NDArray[np.float64]:
+def _table(mounted: MountedLens) -> NDArray[np.float64]:
     """Return what a ray from the film meets, ``(N, 10)``, nearest the film first.
 
     Columns: vertex before the film (mm), curvature (1/mm, > 0 if the centre lies towards the
@@ -73,12 +74,10 @@ def lens_sensor(
     Returns:
         ``mi.Sensor``; it renders by ``mi.render``, too.
     """
-    from lrsr.rendering.film import describe_film
-
     mi = start()
     properties = mi.Properties()
-    properties["film"] = mi.load_dict(describe_film(side))
-    properties["sampler"] = mi.load_dict({"type": "multijitter", "sample_count": samples})
+    for name, description in describe_film(side, samples).items():
+        properties[name] = mi.load_dict(description)
     return _sensor_class()(properties, mounted, to_world, slope, disperse, span_nm)
 
 
@@ -144,7 +143,7 @@ def _opaque(sensor: Any) -> dict[str, Any]:
 
     mi = start()
     mounted = sensor._mounted
-    rows = table(mounted)
+    rows = _table(mounted)
     scalars = {
         "width": sensor._width,
         "pupil": mounted.pupil_mm,
@@ -243,7 +242,7 @@ def _colours(sensor: Any, sample: Any, number: dict[str, Any]) -> tuple[Any, Any
     return mi.Color0f(), traced, dr.select(spread, ones, mi.Spectrum(1.0))
 
 
-def _refract(table: Any, count: Any, point: Any, way: Any, traced_um: Any, active: Any) -> Any:
+def _refract(rows: Any, count: Any, point: Any, way: Any, traced_um: Any, active: Any) -> Any:
     """Refract at one surface after the other, as :func:`lrsr.rendering.surfaces.trace` does."""
     import drjit as dr
 
@@ -251,7 +250,7 @@ def _refract(table: Any, count: Any, point: Any, way: Any, traced_um: Any, activ
 
     def meet(row: Any, point: Any, way: Any, before: Any, alive: Any) -> tuple[Any, ...]:
         vertex, c, square, power, *glass = (
-            dr.gather(mi.Float, table, ROW * row + column, alive) for column in range(ROW)
+            dr.gather(mi.Float, rows, _ROW * row + column, alive) for column in range(_ROW)
         )
         local = point - mi.Vector3f(0, 0, vertex)
         local = local - (local.z * dr.rcp(way.z)) * way

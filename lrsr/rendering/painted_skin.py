@@ -5,7 +5,7 @@ from typing import Any
 
 from lrsr.rendering.backend import start
 from lrsr.rendering.diffusion import scattering_albedo
-from lrsr.rendering.probing import Profile
+from lrsr.rendering.exit_points import Profile
 from lrsr.rendering.reflection import RoughReflection
 from lrsr.rendering.skin import CHANNEL_NM, Skin
 

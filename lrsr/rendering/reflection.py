@@ -20,7 +20,7 @@ TABLE_SIZE = 32
 """Nodes of the table along each axis."""
 
 _MIDPOINTS = 64
-MIN_SLOPE = 1e-3
+_MIN_SLOPE = 1e-3
 """Smallest α, as in ``principled``."""
 
 
@@ -43,7 +43,7 @@ def fresnel(cosine: ArrayLike, refractive_index: float) -> NDArray[np.float64]:
     return np.asarray(np.where(squared_sine >= 1, 1.0, (perpendicular**2 + parallel**2) / 2))
 
 
-def directional_albedo(cosine: ArrayLike, slope: float, refractive_index: float) -> Any:
+def _directional_albedo(cosine: ArrayLike, slope: float, refractive_index: float) -> Any:
     """Integrate the lobe over all directions of reflection: E(cos θ).
 
     The normals that are visible from the direction are laid out on a unit disc (Heitz 2018,
@@ -78,7 +78,7 @@ def directional_albedo(cosine: ArrayLike, slope: float, refractive_index: float)
 
 
 @cache
-def albedo_table(refractive_index: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _albedo_table(refractive_index: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Tabulate what the lobe reflects.
 
     Returns:
@@ -87,8 +87,8 @@ def albedo_table(refractive_index: float) -> tuple[NDArray[np.float32], NDArray[
     """
     nodes = np.linspace(0, 1, TABLE_SIZE)
     cosines = np.clip(nodes, 0.02, 1) ** 2
-    slopes = np.maximum(nodes**2, MIN_SLOPE)
-    directional = np.stack([directional_albedo(cosines, s, refractive_index) for s in slopes])
+    slopes = np.maximum(nodes**2, _MIN_SLOPE)
+    directional = np.stack([_directional_albedo(cosines, s, refractive_index) for s in slopes])
     # Per row the integral of what the kernel interpolates: 2 ∫ E µ dµ = 4 ∫ E(t) t³ dt.
     fine = (np.arange(4096) + 0.5) / 4096
     rows = np.stack([np.interp(fine, nodes, row) for row in directional])
@@ -108,7 +108,7 @@ class RoughReflection:
 
         mi = start()
         self._index = dr.opaque(mi.Float, refractive_index)
-        directional, mean = albedo_table(refractive_index)
+        directional, mean = _albedo_table(refractive_index)
         self._directional = mi.Texture2f(mi.TensorXf(directional[..., None]))
         self._mean = mi.Texture1f(mi.TensorXf(mean[..., None]))
 
@@ -171,7 +171,7 @@ def _facets(roughness: Any) -> Any:
     import drjit as dr
 
     mi = start()
-    slope = dr.maximum(dr.square(roughness), MIN_SLOPE)
+    slope = dr.maximum(dr.square(roughness), _MIN_SLOPE)
     return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, slope, sample_visible=True)
 
 

@@ -9,14 +9,15 @@ import torch
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
 from lrsr.presets import preset
+from lrsr.rendering.backend import alone
 from lrsr.rendering.environment import environment
-from lrsr.rendering.film import expose
+from lrsr.rendering.exposure import expose
 from lrsr.rendering.geometry import place_camera
 from lrsr.rendering.lighting import Lighting
+from lrsr.rendering.live_scene import LiveScene
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.rendering.skin import REFLECTIVE, Skin
-from lrsr.rendering.stage import Stage
 from lrsr.spectra import band_edges
 
 RENDERER_VERSION = "2"
@@ -42,8 +43,9 @@ class Renderer:
 
     def __init__(self, skin: Skin = REFLECTIVE, *, max_depth: int = 5) -> None:
         self.max_depth = max_depth
-        self._stage = Stage(skin)
+        self._live = LiveScene(skin)
 
+    @alone()
     def render(
         self,
         head: Head,
@@ -91,7 +93,7 @@ class Renderer:
         except ValueError as error:
             raise InputError(f"standpoint {standpoint.name!r}: {error}; give another") from error
         image = expose(
-            self._stage.show(head, scene.lighting, pose),
+            self._live.show(head, scene.lighting, pose),
             self._path(),
             viewpoint,
             pose,
@@ -118,19 +120,20 @@ class Renderer:
         )
 
     def _path(self) -> Any:
-        return self._stage.integrator(self.max_depth, ROULETTE_DEPTH)
+        return self._live.integrator(self.max_depth, ROULETTE_DEPTH)
 
 
 def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:
     """Return what a radiance of so many bands holds besides."""
     if not bands:
         return {}
-    from lrsr.rendering.upsampling import meter_bands
+    from lrsr.rendering.spectral_upsampling import meter_bands
 
     edges = band_edges(bands)
     return {"edges_nm": edges, "metered_bands": meter_bands(lighting, edges)}
 
 
+@alone()
 @cache
 def _shared_renderer(skin: Skin, max_depth: int) -> Renderer:
     """Return the process's one renderer of that skin: its scene and kernels are used again."""

@@ -23,23 +23,23 @@ from lrsr.spectra import srgb_curves, table
 
 FloatArray = NDArray[np.float64]
 
-MELANIN, BLOOD = (0.008, 0.35), (0.008, 0.08)
+_MELANIN, _BLOOD = (0.008, 0.35), (0.008, 0.08)
 """Volume fractions of the skins that the curves are fitted to."""
 
 
-def skins(nm: FloatArray) -> FloatArray:
+def _skins(nm: FloatArray) -> FloatArray:
     """Return reflectances of fair to dark skin, pale to flushed, ``(50, M)``.
 
     Args:
         nm: ``(M,)``; beyond 400 to 700 nm, where the pigments are not tabulated, nothing changes.
     """
-    melanin, blood = np.geomspace(*MELANIN, 10)[:, None], np.geomspace(*BLOOD, 5)
+    melanin, blood = np.geomspace(*_MELANIN, 10)[:, None], np.geomspace(*_BLOOD, 5)
     spectra = skin_reflectance(melanin, blood).reshape(-1, len(WAVELENGTHS_NM))
     return np.stack([np.interp(nm, WAVELENGTHS_NM, spectrum) for spectrum in spectra])
 
 
 @lru_cache(maxsize=1)
-def skin_curves() -> tuple[FloatArray, FloatArray]:
+def _skin_curves() -> tuple[FloatArray, FloatArray]:
     """Return the three curves.
 
     Returns:
@@ -48,7 +48,7 @@ def skin_curves() -> tuple[FloatArray, FloatArray]:
     """
     nm = table("cie_1931")[0]
     seen = srgb_curves()  # (3, M): linear sRGB of a reflectance under D65
-    spectra = skins(nm)
+    spectra = _skins(nm)
     nearest, *_ = np.linalg.lstsq(spectra @ seen.T, spectra, rcond=None)
     # The smallest change after which sRGB of each curve is one primary.
     missing = np.eye(3) - nearest @ seen.T
@@ -80,7 +80,7 @@ def _texture_class() -> Any:
     import drjit as dr
 
     mi = start()
-    nm, curves = skin_curves()
+    nm, curves = _skin_curves()
     entries = mi.Float(curves.T.astype(np.float32).ravel())
     first, step, last = float(nm[0]), float(nm[1] - nm[0]), len(nm) - 1.001
 

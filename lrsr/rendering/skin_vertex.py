@@ -4,8 +4,8 @@ from typing import Any
 
 from lrsr.rendering.backend import start
 from lrsr.rendering.diffusion import curved_gain
+from lrsr.rendering.exit_points import find_exit
 from lrsr.rendering.painted_skin import PaintedSkin
-from lrsr.rendering.probing import find_exit
 
 
 class SkinVertex:

@@ -31,8 +31,8 @@ from functools import cache
 from typing import Any
 
 from lrsr.rendering.backend import start
+from lrsr.rendering.exit_points import jitted
 from lrsr.rendering.painted_skin import PaintedSkin, Sampling, SkinSurface
-from lrsr.rendering.probing import jitted
 from lrsr.rendering.skin import Skin
 from lrsr.rendering.skin_vertex import SkinVertex
 

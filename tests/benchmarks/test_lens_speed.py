@@ -48,7 +48,7 @@ def test_a_pose_moves_near_lights(
     benchmark.group = "update"
     poses = iter(list(POSES.values()) * 10)
     benchmark.pedantic(
-        lambda pose: renderer._stage.show(head, ROOMS["room_blue"], pose),
+        lambda pose: renderer._live.show(head, ROOMS["room_blue"], pose),
         setup=lambda: ((next(poses),), {}),
         rounds=8,
         warmup_rounds=1,

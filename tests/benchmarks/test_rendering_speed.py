@@ -15,7 +15,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.rendering.backend import start
-from lrsr.rendering.film import describe_sensor
+from lrsr.rendering.exposure import _describe_pinhole
 from lrsr.rendering.geometry import place_camera
 
 FILMS = [
@@ -38,9 +38,9 @@ def mitsuba_render(renderer: Studio, head: Head, scale: int, samples: int) -> Ca
     """Return a call of ``mi.render`` with its splatting film and its default sampler."""
     mi = start()
     pose = POSES["frontal"]
-    scene = renderer._stage.show(head, LIGHTINGS["frontal"], pose)
+    scene = renderer._live.show(head, LIGHTINGS["frontal"], pose)
     viewpoint = place_camera(head.pupils, 8.0)
-    description = describe_sensor(viewpoint, pose, scale * viewpoint.film_px, samples)
+    description = _describe_pinhole(viewpoint, pose, scale * viewpoint.film_px, samples)
     description["sampler"] = {"type": "independent"}
     sensor, integrator = mi.load_dict(description), renderer._path()
     return lambda: np.array(mi.render(scene, sensor=sensor, integrator=integrator, spp=samples))
@@ -74,7 +74,7 @@ def test_a_new_head_in_the_scene(
     people = iter(heads * 4)
     frontal = (LIGHTINGS["frontal"], POSES["frontal"])
     benchmark.pedantic(
-        lambda head: renderer._stage.show(head, *frontal),
+        lambda head: renderer._live.show(head, *frontal),
         setup=lambda: ((next(people),), {}),
         rounds=6,
         warmup_rounds=1,

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 from fakes.scenes import LENSES
+from oracles.abbe import abbe_number
 
-from lrsr.rendering.glass import abbe_number, refractive_index
+from lrsr.rendering.glass import refractive_index
 from lrsr.rendering.lens import biconvex
 from lrsr.rendering.surfaces import focal_length_mm, image_of, trace
 

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.rendering.diffusion import scattering_albedo
+
 INDEX = 1.4
 
 
@@ -57,3 +59,12 @@ def pencil_beam(
         weight = np.where(dim, weight / 0.2, weight)[survives]
         place, direction = place[:, survives], direction[:, survives]
     return np.concatenate(distances), np.concatenate(shares)
+
+
+def diffuse_albedo(scattering: float) -> float:
+    """Return the diffuse albedo of a medium: the inverse of ``scattering_albedo``, by halving."""
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if scattering_albedo(middle) < scattering else (low, middle)
+    return low

@@ -16,10 +16,10 @@ from oracles.heads import ellipsoid_part, stand_in
 
 from lrsr.identities.head import Head
 from lrsr.presets import preset
-from lrsr.rendering import stage
+from lrsr.rendering import live_scene
 from lrsr.rendering.backend import start
 from lrsr.rendering.skin_spectrum import skin_albedo
-from lrsr.rendering.upsampling import filters, light_bands, meter_bands
+from lrsr.rendering.spectral_upsampling import _filters, _light_bands, meter_bands
 from lrsr.rendering.wavelengths import draw_wavelengths, split
 from lrsr.spectra import band_edges, srgb_weights
 
@@ -52,8 +52,8 @@ def shapes() -> Arrays:
     return {
         "nm": nm,
         "lights": np.array(lights),
-        "filters": filters(np.clip(COLOURS / 2, 0, 1), nm),
-        "light_bands": light_bands(COLOURS, EDGES),
+        "filters": _filters(np.clip(COLOURS / 2, 0, 1), nm),
+        "light_bands": _light_bands(COLOURS, EDGES),
         "skin": skin,
         "skin_seen": np.array(seen).sum(axis=1),
         "metered_yellow": np.array(meter_bands(ROOMS["room_yellow"], EDGES)),
@@ -106,14 +106,14 @@ def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], 
 
 def sphere() -> Arrays:
     """A grey Lambertian sphere where the face would be, in a yellow room."""
-    usual, stage.bsdf = stage.bsdf, lambert
+    usual, live_scene.bsdf = live_scene.bsdf, lambert
     radius = 60.0
     ball = ellipsoid_part("ball", "hair", (radius,) * 3, (0, -12.6, 0), np.full((2, 2, 3), 0.18))
     head = Head("sphere", (ball,), np.array([[-31.5, 0, 0], [31.5, 0, 0]]), np.zeros((5, 3)))
     light = replace(ROOMS["room_yellow"], panels=(), fill_share=1.0)
     asked = {"ipd_px": 16, "samples_per_pixel": 512, "camera_m": 10.0, "bands": 35}
     result = Studio().render(head, lighting=light, **asked)
-    stage.bsdf = usual
+    live_scene.bsdf = usual
     image = result.image.numpy()
     side = image.shape[-1]
     y, x = np.mgrid[:side, :side] - (side - 1) / 2

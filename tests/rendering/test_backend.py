@@ -4,13 +4,14 @@ import logging
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from lrsr.errors import InputError
 from lrsr.rendering import backend
-from lrsr.rendering.backend import Backend, choose_variant, find_llvm, start
+from lrsr.rendering.backend import _Backend, _find_llvm, choose_variant, start
 
 
 @pytest.fixture(autouse=True)
@@ -42,7 +43,7 @@ def library(folder: Path, name: str) -> Path:
 
 def test_the_first_library_that_works_is_taken(tmp_path: Path, children: list) -> None:
     bad, good = library(tmp_path, "bad.so"), library(tmp_path, "good.so")
-    assert choose_variant([bad, good]) == Backend("llvm_ad_rgb", f"{good} renders", good)
+    assert choose_variant([bad, good]) == _Backend("llvm_ad_rgb", f"{good} renders", good)
     assert children == [bad, good]
 
 
@@ -101,7 +102,7 @@ def test_a_timeout_is_not_remembered(
 ) -> None:
     good = library(tmp_path, "good.so")
     with monkeypatch.context() as busy:
-        busy.setattr(backend, "_run_probe", lambda *_: backend.TIMED_OUT)
+        busy.setattr(backend, "_run_probe", lambda *_: backend._TIMED_OUT)
         assert choose_variant([good]).variant == "scalar_rgb"
     assert choose_variant([good]).variant == "llvm_ad_rgb"
 
@@ -116,7 +117,7 @@ def test_a_read_only_cache_does_not_matter(
 
 def test_the_user_may_choose(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LRSR_VARIANT", "scalar_rgb")
-    assert choose_variant() == Backend("scalar_rgb", "LRSR_VARIANT=scalar_rgb (slow)")
+    assert choose_variant() == _Backend("scalar_rgb", "LRSR_VARIANT=scalar_rgb (slow)")
 
 
 def test_wavelengths_are_traced_only_where_that_is_asked_for(
@@ -126,7 +127,7 @@ def test_wavelengths_are_traced_only_where_that_is_asked_for(
     assert choose_variant([good]).variant == "llvm_ad_rgb"
     monkeypatch.setenv("LRSR_VARIANT", "llvm_ad_spectral")
     said = "LRSR_VARIANT=llvm_ad_spectral"
-    assert choose_variant([good]) == Backend("llvm_ad_spectral", said, good)
+    assert choose_variant([good]) == _Backend("llvm_ad_spectral", said, good)
     monkeypatch.setenv("LRSR_VARIANT", "cuda_ad_spectral")
     with pytest.raises(InputError, match="CUDA: no driver"):
         choose_variant([good])
@@ -151,7 +152,7 @@ def test_a_choice_that_cannot_run_is_refused(
 
 def test_start_refuses_a_choice_that_cannot_be_met(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LRSR_VARIANT", "cuda_ad_rgb")
-    monkeypatch.setattr(backend, "start", start.__wrapped__)
+    monkeypatch.setattr(backend, "_begin", cache(backend._begin.__wrapped__))
     with pytest.raises(InputError, match="does not work here"):
         backend.start()
 
@@ -170,13 +171,13 @@ def test_libraries_of_the_environment_come_before_the_systems_newest_first(
     new = library(tmp_path, "lib/x86_64-linux-gnu/libLLVM-15.so.1")
     library(tmp_path, "lib/llvm-15/lib/libLLVMSupport.a")
     (tmp_path / "lib/libLLVM.so").symlink_to(new)
-    assert [path.resolve() for path in find_llvm()] == [own, new, old]
+    assert [path.resolve() for path in _find_llvm()] == [own, new, old]
 
 
 def test_the_users_library_comes_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     mine = library(tmp_path, "libLLVM-mine.so")
     monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(mine))
-    assert find_llvm()[0] == mine
+    assert _find_llvm()[0] == mine
 
 
 def test_a_child_that_aborts_leaves_us_alive(
@@ -194,16 +195,16 @@ def test_a_file_that_is_no_library_fails_the_true_probe(tmp_path: Path) -> None:
 
 def test_a_child_that_hangs_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(backend, "_PROBE", "import time; time.sleep(60)")
-    monkeypatch.setattr(backend, "PROBE_SECONDS", 0.2)
-    assert backend.TIMED_OUT in choose_variant([library(tmp_path, "slow.so")]).reason
+    monkeypatch.setattr(backend, "_PROBE_SECONDS", 0.2)
+    assert backend._TIMED_OUT in choose_variant([library(tmp_path, "slow.so")]).reason
 
 
 def test_the_choice_is_logged_once(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     chosen = start().variant()
-    monkeypatch.setattr(backend, "choose_variant", lambda: Backend(chosen, "it was asked for"))
-    start.cache_clear()
+    monkeypatch.setattr(backend, "choose_variant", lambda: _Backend(chosen, "it was asked for"))
+    backend._begin.cache_clear()
     with caplog.at_level(logging.INFO, logger=backend.__name__):
         start()
         start()

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from oracles.half_space import pencil_beam
+from oracles.half_space import diffuse_albedo, pencil_beam
 
 from lrsr.rendering.diffusion import (
-    FIT_RANGE,
+    _FIT_RANGE,
     NEAR,
-    diffuse_albedo,
     far_width,
     near_weight,
     scattering_albedo,
@@ -59,11 +58,11 @@ def test_albedo_and_its_inverse_agree() -> None:
 
 
 def test_lighter_skin_spreads_light_farther() -> None:
-    widths = [far_width(albedo) for albedo in np.linspace(*FIT_RANGE, 40).tolist()]
+    widths = [far_width(albedo) for albedo in np.linspace(*_FIT_RANGE, 40).tolist()]
     assert (np.diff(widths) > 0).all()
 
 
 def test_beyond_the_fit_the_nearest_width_serves() -> None:
-    assert far_width(0.0) == far_width(FIT_RANGE[0])
-    assert near_weight(1.0) == near_weight(FIT_RANGE[1])
+    assert far_width(0.0) == far_width(_FIT_RANGE[0])
+    assert near_weight(1.0) == near_weight(_FIT_RANGE[1])
     assert scattering_albedo(0.0) == pytest.approx(0, abs=1e-3)

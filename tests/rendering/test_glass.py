@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
+from oracles.abbe import C_LINE_NM, F_LINE_NM, abbe_number
 
 from lrsr.errors import InputError
 from lrsr.rendering.glass import (
     AIR,
-    C_LINE_NM,
-    F_LINE_NM,
     SELLMEIER,
-    abbe_number,
     index_of_ray,
     refractive_index,
 )
@@ -61,10 +59,3 @@ def test_the_formula_for_rays_is_the_same() -> None:
 def test_an_unknown_glass_names_the_known() -> None:
     with pytest.raises(InputError, match="glass 'jam' is not known; choose one of air, N-BK7"):
         refractive_index("jam")
-    with pytest.raises(InputError, match="glass 'jam' is not known"):
-        abbe_number("jam")
-
-
-def test_air_has_no_abbe_number() -> None:
-    with pytest.raises(InputError, match="no Abbe number"):
-        abbe_number(AIR)

@@ -15,11 +15,12 @@ from scipy.stats import norm
 
 from lrsr.presets import preset
 from lrsr.rendering.backend import start
-from lrsr.rendering.film import describe_film, describe_sensor, expose, make_sensor
+from lrsr.rendering.exposure import _describe_pinhole, _make_sensor, expose
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint, place_camera
 from lrsr.rendering.lens import CHANNELS_NM, Lens, biconvex
-from lrsr.rendering.lens_sensor import ROW, lens_sensor, table
+from lrsr.rendering.lens_sensor import _ROW, _table, lens_sensor
 from lrsr.rendering.mounted_lens import mount
+from lrsr.rendering.pixel_filter import describe_film
 from lrsr.rendering.pose import FRONTAL, Pose
 from lrsr.rendering.surfaces import image_of
 
@@ -130,7 +131,7 @@ def test_a_thin_lens_does_not_fall_off(renderer: Studio) -> None:
 
 def blurred(renderer: Studio, lens: Lens, seed: int, depth_mm: float = FOCUS_MM) -> np.ndarray:
     head = stand_in(1)
-    scene = renderer._stage.show(head, LIGHTINGS["side"], FRONTAL)
+    scene = renderer._live.show(head, LIGHTINGS["side"], FRONTAL)
     viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
     return expose(
         scene,
@@ -154,9 +155,9 @@ def test_our_thin_lens_is_mitsubas(renderer: Studio) -> None:
     focal_mm = 1 / (1 / constant + 1 / 600.0)
     lens = Lens("wide", f_number=focal_mm / 30.0)
     ours = [blurred(renderer, lens, seed, 600.0) for seed in range(8)]
-    description = describe_sensor(viewpoint, FRONTAL, viewpoint.film_px, 256)
+    description = _describe_pinhole(viewpoint, FRONTAL, viewpoint.film_px, 256)
     description |= {"type": "thinlens", "aperture_radius": 15.0, "focus_distance": 600.0}
-    sensor, scene = mi.load_dict(description), renderer._stage._scene
+    sensor, scene = mi.load_dict(description), renderer._live._scene
     theirs = [
         np.array(mi.render(scene, sensor=sensor, integrator=renderer._path(), spp=256, seed=s))
         for s in range(100, 108)
@@ -247,23 +248,23 @@ def test_mitsuba_renders_with_the_sensor(renderer: Studio) -> None:
     """As a plain sensor of ``mi.render``: the same picture as that of our film, within noise."""
     mi = start()
     head = stand_in(1)
-    scene = renderer._stage.show(head, LIGHTINGS["side"], FRONTAL)
+    scene = renderer._live.show(head, LIGHTINGS["side"], FRONTAL)
     viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
     lens = LENSES["double_gauss"]
-    sensor = make_sensor(viewpoint, FRONTAL, viewpoint.film_px, 256, lens, 380.0)
+    sensor = _make_sensor(viewpoint, FRONTAL, viewpoint.film_px, 256, lens, 380.0)
     theirs = [
         np.array(mi.render(scene, sensor=sensor, integrator=renderer._path(), spp=256, seed=s))
         for s in range(100, 108)
     ]
     ours = [blurred(renderer, lens, seed, 380.0) for seed in range(8)]
     assert_same_expectation(np.array(ours), np.array(theirs))
-    assert sensor.film().size()[0] == describe_film(viewpoint.film_px)["width"]
+    assert sensor.film().size()[0] == describe_film(viewpoint.film_px, 256)["film"]["width"]
 
 
 def test_the_table_is_what_light_from_the_film_meets() -> None:
     mounted = mount(LENSES["single"], 3.0, FOCUS_MM, 0.5)
-    rows = table(mounted)
-    assert rows.shape == (3, ROW)
+    rows = _table(mounted)
+    assert rows.shape == (3, _ROW)
     np.testing.assert_allclose(rows[:, 0] - mounted.image_mm, [0.0, 1.0, 1.0], atol=3e-3)
     front, back = mounted.surfaces[1:]
     # The back face, met first, is hollow towards the film, as its centre lies towards the scene.

@@ -7,8 +7,8 @@ from fakes.scenes import Studio
 from lrsr.rendering.backend import start
 from lrsr.rendering.reflection import (
     RoughReflection,
-    albedo_table,
-    directional_albedo,
+    _albedo_table,
+    _directional_albedo,
     fresnel,
 )
 
@@ -30,13 +30,13 @@ def test_fresnel_at_normal_incidence_brewsters_angle_and_beyond_the_critical_one
 def test_a_nearly_smooth_surface_reflects_as_fresnel_says() -> None:
     cosines = np.array([0.2, 0.5, 1.0])
     np.testing.assert_allclose(
-        directional_albedo(cosines, 1e-3, 1.4), fresnel(cosines, 1.4), rtol=2e-3
+        _directional_albedo(cosines, 1e-3, 1.4), fresnel(cosines, 1.4), rtol=2e-3
     )
 
 
 def test_the_mean_of_a_smooth_surface_is_7_68_percent() -> None:
     """Diffuse Fresnel reflectance of n = 1.4 from outside: 0.0768 (quadrature)."""
-    _, mean = albedo_table(1.4)
+    _, mean = _albedo_table(1.4)
     assert mean[0] == pytest.approx(0.0768, abs=3e-4)
     assert (np.diff(mean) <= 1e-5).all()
 
@@ -53,7 +53,7 @@ def test_table_quadrature_and_samples_agree(
     sampler.seed(1, COUNT)
     view = mi.Vector3f(float(np.sqrt(1 - cosine**2)), 0, cosine)
     _, _, weight = reflection.sample(view, mi.Float(roughness), sampler.next_2d())
-    exact = directional_albedo(np.array([cosine]), roughness**2, 1.4)[0]
+    exact = _directional_albedo(np.array([cosine]), roughness**2, 1.4)[0]
     table = reflection.directional(mi.Float(cosine), mi.Float(roughness)).numpy()[0]
     noise = float(np.std(weight.numpy())) / COUNT**0.5
     assert float(dr.mean(weight).numpy()[0]) == pytest.approx(exact, abs=3e-4 + 4 * noise)
@@ -85,5 +85,5 @@ def test_nothing_is_reflected_below_the_surface(reflection: RoughReflection) -> 
 def test_the_mean_is_that_of_the_directions(reflection: RoughReflection) -> None:
     mi = start()
     cosines = (np.arange(200) + 0.5) / 200
-    wanted = 2 * (directional_albedo(cosines, 0.25, 1.4) * cosines).mean()
+    wanted = 2 * (_directional_albedo(cosines, 0.25, 1.4) * cosines).mean()
     assert reflection.mean(mi.Float(0.5)).numpy()[0] == pytest.approx(wanted, abs=3e-4)

@@ -20,8 +20,8 @@ import lrsr.rendering
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.identities.head import Head
 from lrsr.images import linear_to_srgb
+from lrsr.rendering import live_scene
 from lrsr.rendering import renderer as module
-from lrsr.rendering import stage
 from lrsr.rendering.environment import environment
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.pose import Pose
@@ -75,7 +75,7 @@ def test_the_ipd_in_the_picture_is_what_was_asked_for(dot_renderer: Studio, seed
 @pytest.mark.parametrize("pose", [*POSES.values(), FAR], ids=lambda pose: pose.name)
 def test_landmarks_stay_well_inside_the_frame(pose: Pose, monkeypatch: pytest.MonkeyPatch) -> None:
     quick = Studio()
-    monkeypatch.setattr(quick._stage, "show", lambda *_: None)
+    monkeypatch.setattr(quick._live, "show", lambda *_: None)
     monkeypatch.setattr(quick, "_path", lambda: None)
     monkeypatch.setattr(module, "expose", lambda *_, **__: np.zeros((32, 32, 3), np.float32))
     for seed in range(20):
@@ -99,7 +99,7 @@ def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], 
 def test_the_meter_reads_what_a_grey_sphere_sends(
     name: str, monkeypatch: pytest.MonkeyPatch, sphere_renderer: Studio
 ) -> None:
-    monkeypatch.setattr(stage, "bsdf", lambert)
+    monkeypatch.setattr(live_scene, "bsdf", lambert)
     radius, distance = 60.0, 1e4
     ball = ellipsoid_part("skin", "skin", (radius,) * 3, (0, -12.6, 0), np.full((2, 2, 3), 0.18))
     pupils = np.array([[-31.5, 0, 0], [31.5, 0, 0]])
@@ -152,7 +152,7 @@ def test_every_scale_has_the_same_rays_and_no_pixel_fewer_than_16(
 ) -> None:
     asked = {}
     quick = Studio()
-    monkeypatch.setattr(quick._stage, "show", lambda *_: None)
+    monkeypatch.setattr(quick._live, "show", lambda *_: None)
     monkeypatch.setattr(quick, "_path", lambda: None)
 
     def record(*_: object, **settings: int) -> np.ndarray:

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fakes.scenes import LIGHTINGS, POSES, SKINS, Studio
+from oracles.half_space import diffuse_albedo
 from oracles.heads import dots, stand_in
 from oracles.translucent import mean_of_ball
 
 from lrsr.images import linear_to_srgb
-from lrsr.rendering import stage
-from lrsr.rendering.diffusion import diffuse_albedo
+from lrsr.rendering import live_scene
 from lrsr.rendering.painted_skin import Sampling
 
 SKIN1 = (0.74 / 0.772, 0.88 / 1.05, 1.01 / 1.49)
@@ -136,10 +136,12 @@ def test_without_a_compiler_skin_is_reflective_and_that_is_said_once(
         def variant() -> str:
             return "scalar_rgb"
 
-    stage._warn_of_scalar.cache_clear()
-    monkeypatch.setattr(stage, "start", lambda: Scalar)
-    with caplog.at_level(logging.WARNING, logger=stage.__name__):
-        assert [stage.Stage(SKINS["subsurface"])._model() for _ in range(3)] == ["reflective"] * 3
+    live_scene._warn_of_scalar.cache_clear()
+    monkeypatch.setattr(live_scene, "start", lambda: Scalar)
+    with caplog.at_level(logging.WARNING, logger=live_scene.__name__):
+        assert [live_scene.LiveScene(SKINS["subsurface"])._model() for _ in range(3)] == [
+            "reflective"
+        ] * 3
     assert len(caplog.messages) == 1
     assert "reflective instead" in caplog.text
 

@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 from fakes.scenes import LENSES
+from oracles.abbe import C_LINE_NM, F_LINE_NM, abbe_number
 
 from lrsr.errors import InputError
-from lrsr.rendering.glass import C_LINE_NM, F_LINE_NM, abbe_number, refractive_index
+from lrsr.rendering.glass import refractive_index
 from lrsr.rendering.lens import biconvex
 from lrsr.rendering.surfaces import (
     Surface,

@@ -17,11 +17,11 @@ from lrsr.rendering.skin import Skin
 LONGEST_PATH = 1000
 """Edges of the longest path; light scatters tens of times in skin before it leaves."""
 
-FROM_OUTSIDE = 0.0768
+_FROM_OUTSIDE = 0.0768
 """Share of diffuse light that a smooth boundary of index 1.4 reflects."""
 
 
-def medium_numbers(skin: Skin, part: Part) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _medium_numbers(skin: Skin, part: Part) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return extinction and single-scattering albedo of a part's inside.
 
     Args:
@@ -35,7 +35,7 @@ def medium_numbers(skin: Skin, part: Part) -> tuple[NDArray[np.float64], NDArray
     """
     absorption, scattering = np.array([skin.absorption_per_mm, skin.scattering_per_mm])
     if skin.fixed == "scattering":
-        tone = np.median(part.albedo.reshape(-1, 3), axis=0) / (1 - FROM_OUTSIDE)
+        tone = np.median(part.albedo.reshape(-1, 3), axis=0) / (1 - _FROM_OUTSIDE)
         share = np.array([scattering_albedo(float(channel)) for channel in tone])
         return scattering / share, share
     return scattering + absorption, scattering / (scattering + absorption)
@@ -43,7 +43,7 @@ def medium_numbers(skin: Skin, part: Part) -> tuple[NDArray[np.float64], NDArray
 
 def describe_medium(skin: Skin, part: Part) -> dict[str, Any]:
     """Describe a part's inside for ``mi.load_dict``."""
-    extinction, scattering = medium_numbers(skin, part)
+    extinction, scattering = _medium_numbers(skin, part)
     return {
         "type": "homogeneous",
         "scale": float(extinction.max()),  # Mitsuba takes no colours above 1
@@ -61,7 +61,7 @@ def describe_boundary(skin: Skin) -> dict[str, Any]:
 def medium_parameters(skin: Skin, part: Part) -> dict[str, Any]:
     """Return what ``mi.traverse`` lists of that medium, to change a live one."""
     mi = start()
-    extinction, scattering = medium_numbers(skin, part)
+    extinction, scattering = _medium_numbers(skin, part)
     return {
         "scale": float(extinction.max()),
         "sigma_t.value.value": mi.Color3f((extinction / extinction.max()).tolist()),

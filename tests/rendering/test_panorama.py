@@ -7,7 +7,7 @@ import pytest
 
 from lrsr.errors import InputError
 from lrsr.rendering.backend import start
-from lrsr.rendering.room_map import load_map
+from lrsr.rendering.panorama import load_map
 
 
 def write(path: Path, values: np.ndarray) -> Path:

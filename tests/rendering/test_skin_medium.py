@@ -5,11 +5,11 @@ import pytest
 from fakes.scenes import SKINS, Studio
 from oracles.heads import stand_in
 
-from lrsr.rendering.volume import FROM_OUTSIDE, medium_numbers
+from lrsr.rendering.skin_medium import _FROM_OUTSIDE, _medium_numbers
 
 
 def test_skin1_is_the_same_in_everybody() -> None:
-    extinction, scattering = medium_numbers(SKINS["volumetric"], stand_in(0, grey=0.2).parts[0])
+    extinction, scattering = _medium_numbers(SKINS["volumetric"], stand_in(0, grey=0.2).parts[0])
     np.testing.assert_allclose(extinction, [0.772, 1.05, 1.49])
     np.testing.assert_allclose(scattering * extinction, [0.74, 0.88, 1.01])
 
@@ -17,9 +17,9 @@ def test_skin1_is_the_same_in_everybody() -> None:
 def test_tone_sets_absorption_and_leaves_scattering() -> None:
     fair, dark = (stand_in(0, grey=grey).parts[0] for grey in (0.5, 0.1))
     for part in (fair, dark):
-        extinction, scattering = medium_numbers(SKINS["volumetric_tone"], part)
+        extinction, scattering = _medium_numbers(SKINS["volumetric_tone"], part)
         np.testing.assert_allclose(scattering * extinction, [0.74, 0.88, 1.01])
-    assert (scattering < medium_numbers(SKINS["volumetric_tone"], fair)[1]).all()
+    assert (scattering < _medium_numbers(SKINS["volumetric_tone"], fair)[1]).all()
 
 
 def test_a_smooth_boundary_reflects_7_68_percent_of_diffuse_light() -> None:
@@ -27,7 +27,7 @@ def test_a_smooth_boundary_reflects_7_68_percent_of_diffuse_light() -> None:
 
     cosines = (np.arange(4000) + 0.5) / 4000
     exact = 2 * (fresnel(cosines, 1.4) * cosines).mean()
-    assert exact == pytest.approx(FROM_OUTSIDE, abs=2e-4)
+    assert exact == pytest.approx(_FROM_OUTSIDE, abs=2e-4)
 
 
 def test_a_darker_head_is_darker_in_the_same_scene() -> None:

@@ -6,7 +6,7 @@ from fakes.scenes import Studio
 
 from lrsr.rendering.backend import start
 from lrsr.rendering.diffusion import NEAR, far_width, near_weight
-from lrsr.rendering.probing import Profile
+from lrsr.rendering.exit_points import Profile
 
 ALBEDO = (0.41, 0.2, 0.1)
 PATH_MM = (1.3, 0.95, 0.67)

@@ -10,8 +10,7 @@ from oracles.heads import ball, dots, ellipsoid_part, stand_in
 from lrsr.identities.head import Head, Part
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light
-from lrsr.rendering.pose import Pose
-from lrsr.rendering.stage import topology, vertex_normals, world_to_head
+from lrsr.rendering.live_scene import _faces_around, _vertex_normals, fits
 
 CLOUDY = Lighting("cloudy", (), fill_share=1.0)
 SETTINGS = {"ipd_px": 4.0, "samples_per_pixel": 16}
@@ -75,11 +74,11 @@ def test_another_topology_reloads_the_scene(renderer: Studio) -> None:
     assert again.image.equal(first.image)
 
 
-def test_topology_ignores_shape_and_colour() -> None:
-    assert topology(stand_in(0)) == topology(stand_in(1))
+def test_a_head_of_another_shape_and_colour_fits() -> None:
+    assert fits(stand_in(0), stand_in(1))
 
 
-def test_topology_sees_names_faces_and_texture_sizes() -> None:
+def test_other_names_faces_and_texture_sizes_do_not_fit() -> None:
     head = stand_in(0)
     skin = head.parts[0]
     for changed in (
@@ -87,13 +86,14 @@ def test_topology_sees_names_faces_and_texture_sizes() -> None:
         replace(skin, faces=skin.faces[:, [1, 2, 0]]),
         replace(skin, albedo=np.zeros((4, 4, 3), np.float32)),
     ):
-        assert topology(replace(head, parts=(changed, *head.parts[1:]))) != topology(head)
+        assert not fits(replace(head, parts=(changed, *head.parts[1:])), head)
+    assert not fits(replace(head, parts=head.parts[1:]), head)
 
 
-def test_topology_sees_which_maps_a_part_has() -> None:
+def test_other_maps_fit_but_none_do_not() -> None:
     head = stand_in(0)
-    assert topology(with_maps(head, 0.0)) != topology(head)
-    assert topology(with_maps(head, 0.0)) == topology(with_maps(head, 1.0))
+    assert not fits(with_maps(head, 0.0), head)
+    assert fits(with_maps(head, 0.0), with_maps(head, 1.0))
 
 
 @pytest.mark.parametrize("mirrored", [False, True], ids=["plain uv", "mirrored uv"])
@@ -122,21 +122,31 @@ def test_new_maps_replace_the_old_in_place(renderer: Studio) -> None:
     assert not updated.image.equal(renderer.render(with_maps(stand_in(2), 0.0), **SETTINGS).image)
 
 
+def normals_of(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    return _vertex_normals(vertices, faces, _faces_around(faces, len(vertices)))
+
+
 def test_a_spheres_normals_are_its_vertices() -> None:
     vertices, faces, _ = ball(64, 128)
-    normals = vertex_normals(vertices.astype(np.float32), faces)
+    normals = normals_of(vertices.astype(np.float32), faces)
     interior = slice(129, -129)  # the seam and the poles are doubled vertices
     assert (normals * vertices).sum(axis=1)[interior].min() > 0.999
 
 
 def test_a_vertex_without_faces_has_a_normal() -> None:
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 5, 5]], np.float32)
-    normals = vertex_normals(vertices, np.array([[0, 1, 2]], np.int32))
+    normals = normals_of(vertices, np.array([[0, 1, 2]], np.int32))
     np.testing.assert_allclose(normals, np.tile([0, 0, 1], (4, 1)))
 
 
-def test_the_camera_goes_back_where_the_head_came_from() -> None:
-    pose = Pose("any", 33, -21, 8)
-    points = np.random.default_rng(0).uniform(-100, 100, (10, 3))
-    homogeneous = np.concatenate([pose.turn(points), np.ones((10, 1))], axis=1)
-    np.testing.assert_allclose((homogeneous @ world_to_head(pose).T)[:, :3], points, atol=1e-9)
+def test_normals_are_sums_in_the_order_of_the_faces() -> None:
+    rng = np.random.default_rng(5)
+    vertices = rng.normal(size=(50, 3)).astype(np.float32)
+    faces = rng.integers(0, 50, (200, 3)).astype(np.int32)  # some use a vertex twice
+    sums = np.zeros((50, 3))
+    for face in faces:
+        first, second, third = vertices[face].astype(np.float64)
+        for vertex in face:
+            sums[vertex] += np.cross(second - first, third - first)
+    wanted = (sums / np.linalg.norm(sums, axis=1, keepdims=True)).astype(np.float32)
+    np.testing.assert_array_equal(normals_of(vertices, faces), wanted)

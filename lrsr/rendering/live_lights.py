@@ -13,14 +13,14 @@ from lrsr.rendering.backend import start
 from lrsr.rendering.environment import panel_radiance
 from lrsr.rendering.lighting import Lighting
 
-PREFIX = "panel_"
+_PREFIX = "panel_"
 
 
 def describe_panels(lighting: Lighting) -> dict[str, Any]:
     """Describe the panels of a lighting for ``mi.load_dict``; far away until they are moved."""
     mi = start()
     return {
-        f"{PREFIX}{number}": {
+        f"{_PREFIX}{number}": {
             "type": "rectangle",
             "to_world": mi.ScalarTransform4f().translate([0.0, 0.0, 1e5 * (1 + number)]),
             "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
@@ -40,14 +40,12 @@ def move_panels(parameters: Any, lighting: Lighting, to_head: NDArray[np.float64
         lighting: With as many panels as the scene was loaded with.
         to_head: ``(4, 4)``, takes the posed world back into the frame of the head.
     """
-    from lrsr.rendering.stage import opaque_transform
-
     for number, panel in enumerate(lighting.panels):
-        name = f"{PREFIX}{number}"
+        name = f"{_PREFIX}{number}"
         radiance = (panel_radiance(panel) * panel.colour).tolist()
         parameters[f"{name}.to_world"] = opaque_transform(to_head @ panel.to_world())
         for key, value in _radiance(radiance).items():
-            parameters[f"{name}.emitter.{key}"] = opaque(value)
+            parameters[f"{name}.emitter.{key}"] = _opaque(value)
     if lighting.panels:
         parameters.update()
 
@@ -73,7 +71,12 @@ def _radiance(rgb: list[float]) -> dict[str, Any]:
     return {key: parameters[key] for key in ("radiance.value", "radiance.d65.values")}
 
 
-def opaque(value: Any) -> Any:
+def opaque_transform(matrix: NDArray[np.float64]) -> Any:
+    """Turn a ``(4, 4)`` matrix into a transform whose numbers are no literals of a kernel."""
+    return _opaque(start().Transform4f(matrix))
+
+
+def _opaque(value: Any) -> Any:
     """Return numbers of Dr.Jit that are no literals of a kernel."""
     if "scalar" not in start().variant():
         import drjit

@@ -4,13 +4,6 @@ Every ray is drawn from its pixel's reconstruction filter (filter importance sam
 Stamminger and Greiner 2006), so that all its weight belongs to that pixel and a pixel is a plain
 mean. Splatting, as Mitsuba's films do, adds up in the order in which threads finish, and its last
 bits change from run to run.
-
-Samples are stratified in every dimension (correlated multi-jittered: Kensler 2013). On a face that
-takes six times fewer rays than independent samples need for the same noise.
-
-The filter is a Gaussian with a standard deviation of half a pixel **of the film itself**, cut at
-two pixels. A film twice as fine has a filter twice as narrow: it is another camera's picture of the
-same scene, and its 2 × 2 means are slightly sharper than the ×1 film.
 """
 
 import math
@@ -21,21 +14,17 @@ from numpy.typing import NDArray
 
 from lrsr.errors import InputError
 from lrsr.rendering.backend import start
-from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint
+from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint, world_to_head
 from lrsr.rendering.lens import PINHOLE, Lens
+from lrsr.rendering.lens_sensor import lens_sensor
 from lrsr.rendering.mounted_lens import mount
+from lrsr.rendering.pixel_filter import REACH_PX, describe_film, draw_offset
 from lrsr.rendering.pose import Pose
-from lrsr.rendering.stage import world_to_head
+from lrsr.rendering.strata import grid, order_rays, stratified
 from lrsr.rendering.wavelengths import draw_wavelengths, split
 from lrsr.spectra import band_edges
 
-FILTER_STDDEV_PX = 0.5
-"""Standard deviation of the reconstruction filter, in pixels of the film itself."""
-
-FILTER_CUT = 4.0
-"""Where the filter ends, in standard deviations."""
-
-MAX_RAYS = 1 << 22
+_MAX_RAYS = 1 << 22
 """Rays of one launch; more are split into passes."""
 
 
@@ -76,14 +65,14 @@ def expose(
     mi = start()
     edges = _edges(bands)
     side = scale * viewpoint.film_px
-    passes = -(-side * side * samples // MAX_RAYS)
-    per_pass = grid_samples(-(-samples // passes))
-    sensor = make_sensor(viewpoint, pose, side, per_pass, lens, focus_mm, edges)
+    passes = -(-side * side * samples // _MAX_RAYS)
+    per_pass = math.prod(grid(-(-samples // passes)))
+    sensor = _make_sensor(viewpoint, pose, side, per_pass, lens, focus_mm, edges)
     if "scalar" in mi.variant():
         return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=seed))
     total, count = np.zeros((2, side * side, bands or 3), dtype=np.float64)
     for number in range(passes):
-        own_seed = pass_seed(seed, number)
+        own_seed = _pass_seed(seed, number)
         light, rays = _trace(scene, integrator, sensor, side, per_pass, own_seed, edges)
         total += light
         count += rays
@@ -105,23 +94,12 @@ def _edges(bands: int) -> tuple[float, ...] | None:
     return band_edges(bands) if bands else None
 
 
-def grid_samples(samples: int) -> int:
-    """Round a number of samples up to the next one that fills a nearly square grid of strata.
-
-    Example:
-        >>> [grid_samples(n) for n in (16, 17, 2048)]
-        [16, 20, 2070]
-    """
-    rows = math.isqrt(samples)
-    return rows * -(-samples // rows)
-
-
-def pass_seed(seed: int, number: int) -> int:
+def _pass_seed(seed: int, number: int) -> int:
     """Return the 32-bit sampler seed of one pass of one picture."""
     return int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
 
 
-def make_sensor(
+def _make_sensor(
     viewpoint: Viewpoint,
     pose: Pose,
     side: int,
@@ -136,13 +114,11 @@ def make_sensor(
         InputError: The lens cannot be focused so near.
     """
     if lens.is_pinhole:
-        return start().load_dict(describe_sensor(viewpoint, pose, side, samples))
-    from lrsr.rendering.lens_sensor import lens_sensor
-
+        return start().load_dict(_describe_pinhole(viewpoint, pose, side, samples))
     constant_mm = viewpoint.pixels_per_slope * AXIS_P1435LE.pitch_um / 1000
     slope = viewpoint.film_px / 2 / viewpoint.pixels_per_slope
     # The filter reaches two pixels of the film beyond its corner.
-    reach_mm = math.sqrt(2) * slope * constant_mm * (1 + 2 * FILTER_CUT * FILTER_STDDEV_PX / side)
+    reach_mm = math.sqrt(2) * slope * constant_mm * (1 + 2 * REACH_PX / side)
     mounted = mount(lens, constant_mm, focus_mm, reach_mm)
     to_world = world_to_head(pose) @ viewpoint.to_world()
     span = None if edges_nm is None else (edges_nm[0], edges_nm[-1])
@@ -151,7 +127,7 @@ def make_sensor(
     )
 
 
-def describe_sensor(viewpoint: Viewpoint, pose: Pose, side: int, samples: int) -> dict[str, Any]:
+def _describe_pinhole(viewpoint: Viewpoint, pose: Pose, side: int, samples: int) -> dict[str, Any]:
     """Describe Mitsuba's pinhole for that viewpoint, for ``mi.load_dict``."""
     mi = start()
     centre, (_, up, back) = viewpoint.centre_mm, viewpoint.axes()
@@ -164,19 +140,7 @@ def describe_sensor(viewpoint: Viewpoint, pose: Pose, side: int, samples: int) -
         "near_clip": 1.0,
         "far_clip": 1e6,
         "to_world": mi.ScalarTransform4f(world_to_head(pose)) @ in_world,
-        "film": describe_film(side),
-        "sampler": {"type": "multijitter", "sample_count": samples},
-    }
-
-
-def describe_film(side: int) -> dict[str, Any]:
-    """Describe Mitsuba's film with our filter, for ``mi.load_dict``."""
-    return {
-        "type": "hdrfilm",
-        "width": side,
-        "height": side,
-        "component_format": "float32",
-        "rfilter": {"type": "gaussian", "stddev": FILTER_STDDEV_PX},
+        **describe_film(side, samples),
     }
 
 
@@ -196,28 +160,35 @@ def _trace(
     import drjit as dr
 
     mi = start()
-    rays = side * side * samples
-    sampler = sensor.sampler().clone()
-    sampler.set_samples_per_wavefront(samples)
-    sampler.seed(seed, rays)
+    lanes = order_rays(samples, side * side, seed)
+    sampler = stratified(samples, seed, lanes)
     # Opaque, so that one kernel serves every film of that number of samples.
-    pixel = dr.arange(mi.UInt32, rays) // dr.opaque(mi.UInt32, samples)
-    width = dr.opaque(mi.UInt32, side)
+    pixel, width = lanes // dr.opaque(mi.UInt32, samples), dr.opaque(mi.UInt32, side)
     row = pixel // width
     corner = mi.Point2f(mi.Float(pixel - row * width), mi.Float(row))
-    cut = math.erf(FILTER_CUT / math.sqrt(2))
-    uniform = sampler.next_2d()
-    offset = FILTER_STDDEV_PX * math.sqrt(2) * dr.erfinv((2 * uniform - 1) * cut)
-    position = (corner + 0.5 + offset) / mi.Float(width)
+    position = (corner + 0.5 + draw_offset(sampler.next_2d())) / mi.Float(width)
     light, counts, wavelengths = _follow(scene, integrator, sensor, sampler, position, edges_nm)
     if mi.is_spectral and edges_nm is None:
         light = mi.spectrum_to_srgb(light, wavelengths)
+    light, counts, wavelengths = (
+        value if value is None else _in_given_order(value, lanes)
+        for value in (light, counts, wavelengths)
+    )
     dr.eval(light, counts, wavelengths)  # once, not once per channel
     channels = light if edges_nm is None else split(light, wavelengths, edges_nm)
     sums = _sum(channels, samples)
     if counts is None:
         return sums, float(samples)
     return sums, _sum(counts if edges_nm is None else [counts[0]], samples)
+
+
+def _in_given_order(values: Any, lanes: Any) -> Any:
+    """Put what each lane found where it belongs, so that sums do not depend on the order."""
+    import drjit as dr
+
+    ordered = dr.empty(type(values), len(lanes))
+    dr.scatter(ordered, values, lanes, mode=dr.ReduceMode.Permute)
+    return ordered
 
 
 def _follow(

@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 _STEP_NM = 1.0
 
 
-def filters(rgb: FloatArray, nm: FloatArray) -> FloatArray:
+def _filters(rgb: FloatArray, nm: FloatArray) -> FloatArray:
     """Return the smooth spectra that Mitsuba gives to colours of linear sRGB.
 
     Args:
@@ -47,7 +47,7 @@ def filters(rgb: FloatArray, nm: FloatArray) -> FloatArray:
     return np.asarray(0.5 + 0.5 * shape)
 
 
-def light_bands(rgb: FloatArray, edges_nm: tuple[float, ...]) -> FloatArray:
+def _light_bands(rgb: FloatArray, edges_nm: tuple[float, ...]) -> FloatArray:
     """Return the bands of light of those colours, as emitters of a spectral variant send it out.
 
     Args:
@@ -62,7 +62,7 @@ def light_bands(rgb: FloatArray, edges_nm: tuple[float, ...]) -> FloatArray:
     nm = np.arange(edges_nm[0], edges_nm[-1] + _STEP_NM / 2, _STEP_NM)
     curves = table("cie_1931")
     white = np.interp(nm, curves[0], curves[4])
-    shapes = scale * filters(colours / np.maximum(scale, 1e-8), nm)
+    shapes = scale * _filters(colours / np.maximum(scale, 1e-8), nm)
     unit = daylight(edges_nm).sum() / average(nm, white[None], edges_nm).sum()
     bands = unit * average(nm, shapes * white, edges_nm)
     return np.asarray(bands[places.ravel()].reshape(*rgb.shape[:-1], -1))
@@ -87,7 +87,7 @@ def meter_bands(lighting: Lighting, edges_nm: tuple[float, ...]) -> tuple[float,
     painted = environment(lighting)[0].astype(np.float64)
     colours, places = np.unique(painted.reshape(-1, 3), axis=0, return_inverse=True)
     amounts = np.bincount(places.ravel(), weight.ravel(), minlength=len(colours))
-    bands = amounts @ light_bands(colours, edges_nm)
+    bands = amounts @ _light_bands(colours, edges_nm)
     for panel in lighting.panels:
-        bands = bands + panel_metered(panel) * light_bands(panel.colour, edges_nm)
+        bands = bands + panel_metered(panel) * _light_bands(panel.colour, edges_nm)
     return tuple(bands.tolist())

@@ -7,9 +7,9 @@ from oracles.heads import stand_in
 from scipy.stats import norm
 
 from lrsr.errors import InputError
-from lrsr.rendering import film
+from lrsr.rendering import exposure
 from lrsr.rendering.backend import start
-from lrsr.rendering.film import describe_sensor, expose, grid_samples, pass_seed
+from lrsr.rendering.exposure import _describe_pinhole, _pass_seed, expose
 from lrsr.rendering.geometry import place_camera
 from lrsr.rendering.lighting import Lighting
 
@@ -18,7 +18,7 @@ POSE = POSES["left"]
 
 def pictures(renderer: Studio, count: int, samples: int, *, own: bool) -> np.ndarray:
     head = stand_in(0)
-    scene = renderer._stage.show(head, LIGHTINGS["side"], POSE)
+    scene = renderer._live.show(head, LIGHTINGS["side"], POSE)
     viewpoint = place_camera(head.pupils, 6.0, offset_mm=POSE.frame_offset_mm())
     integrator = renderer._path()
     if own:
@@ -29,7 +29,7 @@ def pictures(renderer: Studio, count: int, samples: int, *, own: bool) -> np.nda
             ]
         )
     mi = start()
-    sensor = mi.load_dict(describe_sensor(viewpoint, POSE, viewpoint.film_px, samples))
+    sensor = mi.load_dict(_describe_pinhole(viewpoint, POSE, viewpoint.film_px, samples))
     return np.array(
         [
             np.array(mi.render(scene, sensor=sensor, integrator=integrator, spp=samples, seed=seed))
@@ -51,20 +51,14 @@ def test_passes_do_not_change_the_expectation(
     renderer: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = pictures(renderer, 4, 256, own=True)
-    monkeypatch.setattr(film, "MAX_RAYS", 24 * 24 * 70)
+    monkeypatch.setattr(exposure, "_MAX_RAYS", 24 * 24 * 70)
     split = pictures(renderer, 4, 256, own=True)
     assert not np.array_equal(whole, split)
     assert split.mean() == pytest.approx(whole.mean(), rel=2e-3)
 
 
-@pytest.mark.parametrize("samples", [1, 16, 17, 100, 128, 512, 2048])
-def test_a_grid_has_at_least_the_samples_and_few_more(samples: int) -> None:
-    assert samples <= grid_samples(samples) <= samples + np.sqrt(samples) + 1
-    assert grid_samples(grid_samples(samples)) == grid_samples(samples)
-
-
 def test_passes_and_seeds_have_seeds_of_their_own() -> None:
-    seeds = [pass_seed(seed, number) for seed in range(30) for number in range(30)]
+    seeds = [_pass_seed(seed, number) for seed in range(30) for number in range(30)]
     assert len(set(seeds)) == len(seeds)
 
 

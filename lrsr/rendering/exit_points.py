@@ -12,22 +12,22 @@ from typing import Any
 from lrsr.rendering.backend import start
 from lrsr.rendering.diffusion import NEAR, far_width, near_weight
 
-MOST_HITS = 4
+_MOST_HITS = 4
 """A probe that meets skin more often within its reach forgets the rest."""
 
-MOST_STEPS = 16
+_MOST_STEPS = 16
 """Hits of anything, strands of hair included, after which a probe ends."""
 
-STEP_MM = 1e-3
+_STEP_MM = 1e-3
 """A probe goes on so far behind a hit: more than rounding errors, less than any two skins apart."""
 
-FACING = 0.5
+_FACING = 0.5
 """Points that both see the other steeper above their skin than this sine lie across a gap..."""
 
-FACING_OPPOSED = 0.05
+_FACING_OPPOSED = 0.05
 """... or than this, where their normals point against each other, as those of lips and lids do."""
 
-REACH_WIDTHS = 14.0
+_REACH_WIDTHS = 14.0
 """Where a profile ends, in its largest width: beyond is a millionth of the light."""
 
 Find = Callable[[Any, Any], tuple[Any, Any]]
@@ -48,7 +48,7 @@ class Profile:
 
         self.mean_free_path_mm = mean_free_path_mm
         self.near, self.far = NEAR * mean_free_path_mm, far_width(albedo) * mean_free_path_mm
-        self.reach = dr.minimum(reach_mm, REACH_WIDTHS * dr.max(self.far))
+        self.reach = dr.minimum(reach_mm, _REACH_WIDTHS * dr.max(self.far))
         weight = near_weight(albedo)
         kept_near = weight * (1 - dr.exp(-self.reach / self.near))
         kept_far = (1 - weight) * (1 - dr.exp(-self.reach / self.far))
@@ -205,9 +205,9 @@ def _reservoir(
         last = dr.select(going, hit.prim_index, last)
         hits += dr.select(skin, mi.UInt32(1), mi.UInt32(0))
         steps += 1
-        going &= (hits < MOST_HITS) & (steps < MOST_STEPS) & (left > hit.t + STEP_MM)
-        begin = dr.select(going, mi.Point3f(begin + ray.d * (hit.t + STEP_MM)), begin)
-        left = dr.select(going, left - hit.t - STEP_MM, left)
+        going &= (hits < _MOST_HITS) & (steps < _MOST_STEPS) & (left > hit.t + _STEP_MM)
+        begin = dr.select(going, mi.Point3f(begin + ray.d * (hit.t + _STEP_MM)), begin)
+        left = dr.select(going, left - hit.t - _STEP_MM, left)
     return chosen, total
 
 
@@ -231,6 +231,6 @@ def _inside(offset: Any, here: Any, there: Any) -> Any:
     """Tell whether light may go straight from one point to the other through the skin."""
     import drjit as dr
 
-    sine = dr.select(dr.dot(here, there) < 0, FACING_OPPOSED, FACING)
+    sine = dr.select(dr.dot(here, there) < 0, _FACING_OPPOSED, _FACING)
     length = sine * dr.norm(offset)
     return ~((dr.dot(offset, here) > length) & (-dr.dot(offset, there) > length))

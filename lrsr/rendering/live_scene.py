@@ -1,7 +1,7 @@
 """The live Mitsuba scene: a head at rest in an environment of light, changed in place.
 
 Loading a scene compiles kernels, and other live scenes make every kernel longer, so there is one
-:class:`Stage` per renderer. A head of the same topology replaces the last one's vertices and
+:class:`LiveScene` per renderer. A head of the same topology replaces the last one's vertices and
 textures; poses turn the light (and the camera) instead of the head.
 """
 
@@ -13,27 +13,29 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from lrsr.identities.head import Head, Part
 from lrsr.rendering.backend import start
 from lrsr.rendering.environment import environment
-from lrsr.rendering.lamps import describe_panels, map_data, move_panels
+from lrsr.rendering.geometry import world_to_head
 from lrsr.rendering.lighting import Lighting
+from lrsr.rendering.live_lights import describe_panels, map_data, move_panels, opaque_transform
 from lrsr.rendering.materials import MATERIALS, bsdf
-from lrsr.rendering.pose import PIVOT_MM, Pose
+from lrsr.rendering.pose import Pose
 from lrsr.rendering.skin import Skin
-from lrsr.rendering.skin_spectrum import VALUES, skin_albedo
-from lrsr.rendering.volume import (
+from lrsr.rendering.skin_medium import (
     LONGEST_PATH,
     describe_boundary,
     describe_medium,
     medium_parameters,
 )
+from lrsr.rendering.skin_spectrum import VALUES, skin_albedo
 
 logger = logging.getLogger(__name__)
 
 
-class Stage:
+class LiveScene:
     """One scene that lives on.
 
     Args:
@@ -47,7 +49,7 @@ class Stage:
         self._scene: Any = None
         self._parameters: Any = None
         self._keys: dict[tuple[str, str], str] = {}
-        self._topology: tuple[object, ...] = ()
+        self._around: dict[str, Any] = {}
         self._head: Head | None = None
         self._lighting: Lighting | None = None
         self._panels = 0
@@ -55,11 +57,11 @@ class Stage:
 
     def show(self, head: Head, lighting: Lighting, pose: Pose) -> Any:
         """Return the ``mi.Scene`` with that head in that light, as seen from the head's frame."""
-        if head is not self._head or len(lighting.panels) != self._panels:
-            if topology(head) == self._topology and len(lighting.panels) == self._panels:
-                self._update_head(head)
-            else:
-                self._load(head, lighting)
+        shown = self._head
+        if shown is None or len(lighting.panels) != self._panels or not fits(head, shown):
+            self._load(head, lighting)
+        elif head is not shown:
+            self._update_head(head, shown)
         if lighting != self._lighting or pose != self._pose:
             self._update_light(lighting, pose)
         return self._scene
@@ -100,7 +102,6 @@ class Stage:
         self._integrator = None
         self._surfaces = []
         self._keys = {}
-        self._topology = ()
         gc.collect()  # Dr.Jit compiles virtual calls for everything that is alive
         light = {"type": "envmap", "bitmap": mi.Bitmap(environment(lighting)[0].copy())}
         parts = {part.name: self._mesh(part) for part in head.parts}
@@ -108,7 +109,6 @@ class Stage:
         self._panels = len(lighting.panels)
         self._scene = mi.load_dict({"type": "scene", "light": light, **parts, **panels})
         self._parameters = mi.traverse(self._scene)
-        self._topology = topology(head)
         self._head, self._lighting = head, lighting
 
     def _mesh(self, part: Part) -> Any:
@@ -137,24 +137,24 @@ class Stage:
         )
         values = mi.traverse(mesh)
         values["faces"] = np.ascontiguousarray(part.faces, dtype=np.uint32).ravel()
-        values["vertex_texcoords"] = mitsuba_uv(part.uv).ravel()
+        values["vertex_texcoords"] = part.uv.ravel()
         values["vertex_positions"] = part.vertices.ravel()
-        values["vertex_normals"] = vertex_normals(part.vertices, part.faces).ravel()
+        self._around[part.name] = _faces_around(part.faces, len(part.vertices))
+        normals = _vertex_normals(part.vertices, part.faces, self._around[part.name])
+        values["vertex_normals"] = normals.ravel()
         values.update()
         if part.material == "skin" and self._model() == "subsurface":
-            self._surfaces.append(skin_surface(mesh, textures))
+            self._surfaces.append(_skin_surface(mesh, textures))
         return mesh
 
-    def _update_head(self, head: Head) -> None:
-        if self._head is None:
-            raise RuntimeError("no head to update")
-        for new, old in zip(head.parts, self._head.parts, strict=True):
-            if new.vertices is not old.vertices and not np.array_equal(new.vertices, old.vertices):
-                normals = vertex_normals(new.vertices, new.faces)
+    def _update_head(self, head: Head, shown: Head) -> None:
+        for new, old in zip(head.parts, shown.parts, strict=True):
+            if not _same(new.vertices, old.vertices):
+                normals = _vertex_normals(new.vertices, new.faces, self._around[new.name])
                 self._parameters[f"{new.name}.vertex_positions"] = new.vertices.ravel()
                 self._parameters[f"{new.name}.vertex_normals"] = normals.ravel()
-            for (name, texture), (_, shown) in zip(_textures(new), _textures(old), strict=True):
-                if texture is not shown and not np.array_equal(texture, shown):
+            for (name, texture), (_, before) in zip(_textures(new), _textures(old), strict=True):
+                if not _same(texture, before):
                     self._update_texture(new, name, texture)
         self._parameters.update()
         self._head = head
@@ -185,19 +185,20 @@ class Stage:
         self._lighting, self._pose = lighting, pose
 
 
-def topology(head: Head) -> tuple[object, ...]:
-    """Return what must stay equal for a head to replace another in place."""
-    return tuple(
-        (
-            part.name,
-            part.material,
-            part.vertices.shape,
-            part.faces.tobytes(),
-            part.uv.tobytes(),
-            tuple((name, texture.shape) for name, texture in _textures(part)),
-        )
-        for part in head.parts
+def fits(new: Head, old: Head) -> bool:
+    """Tell whether a head can replace another in place: it differs in shape and colour alone."""
+    return len(new.parts) == len(old.parts) and all(
+        (a.name, a.material, a.vertices.shape) == (b.name, b.material, b.vertices.shape)
+        and _same(a.faces, b.faces)
+        and _same(a.uv, b.uv)
+        and [(name, texture.shape) for name, texture in _textures(a)]
+        == [(name, texture.shape) for name, texture in _textures(b)]
+        for a, b in zip(new.parts, old.parts, strict=True)
     )
+
+
+def _same(new: NDArray[Any], old: NDArray[Any]) -> bool:
+    return new is old or np.array_equal(new, old)
 
 
 def _textures(part: Part) -> list[tuple[str, NDArray[np.float32]]]:
@@ -227,7 +228,7 @@ def bitmap(name: str, texture: NDArray[np.float32]) -> Any:
     )
 
 
-def skin_surface(mesh: Any, textures: Mapping[str, Any]) -> Any:
+def _skin_surface(mesh: Any, textures: Mapping[str, Any]) -> Any:
     """Return what the tracer of translucent skin needs to know of a mesh with those textures."""
     from lrsr.rendering.painted_skin import SkinSurface
 
@@ -243,26 +244,18 @@ def _warn_of_scalar() -> None:
     logger.warning("translucent skin needs LLVM or CUDA: it is drawn reflective instead")
 
 
-def mitsuba_uv(uv: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Turn texture coordinates with v = 0 in the top row into those of the installed Mitsuba."""
-    if bitmaps_start_at_the_top():
-        return np.ascontiguousarray(uv, dtype=np.float32)
-    return np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1).astype(np.float32)
+def _faces_around(faces: NDArray[np.int32], vertices: int) -> csr_array:
+    """Return the ``(V, F)`` matrix of ones that adds up what belongs to the faces at a vertex."""
+    corners = faces.ravel()
+    order = np.argsort(corners, kind="stable")
+    ends = np.cumsum(np.bincount(corners, minlength=vertices))
+    ones = np.ones(corners.size)
+    return csr_array((ones, order // 3, np.append(0, ends)), shape=(vertices, len(faces)))
 
 
-@cache
-def bitmaps_start_at_the_top() -> bool:
-    """Ask Mitsuba which row of a bitmap has v = 0: 3.9 says the top one, older ones the bottom."""
-    mi = start()
-    rows = np.zeros((2, 1, 1), dtype=np.float32)
-    rows[0] = 1.0
-    bitmap = mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(rows), "raw": True})
-    point = mi.SurfaceInteraction3f()
-    point.uv = mi.Point2f(0.5, 0.25)
-    return bool(np.array(bitmap.eval_1(point)).ravel()[0] > 0.5)
-
-
-def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> NDArray[np.float32]:
+def _vertex_normals(
+    vertices: NDArray[np.float32], faces: NDArray[np.int32], around: csr_array
+) -> NDArray[np.float32]:
     """Average the faces' normals at each vertex, weighted by area.
 
     Mitsuba would add them up in whatever order its threads run; this order is fixed, so the same
@@ -271,39 +264,14 @@ def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> N
     Args:
         vertices: ``(V, 3)``.
         faces: ``(F, 3)``, counter-clockwise seen from outside.
+        around: Of ``_faces_around``.
 
     Returns:
         ``(V, 3)`` float32, unit length; (0, 0, 1) at a vertex without faces.
     """
-    corners = vertices.astype(np.float64)[faces]
-    crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    sums = np.stack(
-        [
-            np.bincount(faces.ravel(), np.repeat(crosses[:, axis], 3), minlength=len(vertices))
-            for axis in range(3)
-        ],
-        axis=1,
-    )
+    points = vertices.astype(np.float64)
+    first, second, third = (points.take(corner, axis=0) for corner in faces.T)
+    sums = around @ np.cross(second - first, third - first)
     lengths = np.linalg.norm(sums, axis=1, keepdims=True)
     sums = np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1), (0.0, 0.0, 1.0))
     return sums.astype(np.float32)
-
-
-def world_to_head(pose: Pose) -> NDArray[np.float64]:
-    """Return the ``(4, 4)`` matrix that takes the posed world back into the frame of the head."""
-    rotation = pose.rotation().T
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation
-    matrix[:3, 3] = PIVOT_MM - rotation @ PIVOT_MM
-    return matrix
-
-
-def opaque_transform(matrix: NDArray[np.float64]) -> Any:
-    """Turn a ``(4, 4)`` matrix into a transform whose numbers are no literals of a kernel."""
-    mi = start()
-    transform = mi.Transform4f(matrix)
-    if mi.variant() != "scalar_rgb":
-        import drjit
-
-        drjit.make_opaque(transform)
-    return transform

@@ -9,11 +9,11 @@ from fakes.scenes import ROOMS, Studio
 from oracles.heads import ellipsoid_part, stand_in
 
 from lrsr.identities.head import Head
-from lrsr.rendering import stage
+from lrsr.rendering import live_scene
 from lrsr.rendering.backend import start
-from lrsr.rendering.lamps import describe_panels, map_data, move_panels, opaque
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light, Panel
+from lrsr.rendering.live_lights import _opaque, describe_panels, map_data, move_panels
 
 LAMP = Panel((400.0, 250.0, 700.0), 200.0, 300.0, kelvin=3500.0)
 ASK = {"ipd_px": 4.0, "samples_per_pixel": 64}
@@ -34,7 +34,7 @@ def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], 
 def test_the_meter_reads_what_a_small_grey_sphere_between_the_eyes_sends(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stage, "bsdf", lambert)
+    monkeypatch.setattr(live_scene, "bsdf", lambert)
     lighting = ROOMS.get(name, Lighting("lamp", fill_share=0.1, panels=(LAMP,)))
     radius = 6.0
     grey = np.full((2, 2, 3), 0.18)
@@ -109,7 +109,7 @@ def test_a_scene_has_as_many_rectangles_as_panels() -> None:
     np.testing.assert_allclose(corner, LAMP.position_mm, rtol=1e-5)
     colour = np.array(parameters["panel_0.emitter.radiance.value"]).ravel()
     np.testing.assert_allclose(colour / colour[1], LAMP.colour / LAMP.colour[1], rtol=1e-5)
-    assert np.array(opaque(mi.Color3f(1, 2, 3))).ravel().tolist() == [1, 2, 3]
+    assert np.array(_opaque(mi.Color3f(1, 2, 3))).ravel().tolist() == [1, 2, 3]
 
 
 def test_a_map_is_kept_with_copies_of_its_outer_columns(lit: Studio) -> None:

@@ -1,0 +1,106 @@
+"""Who renders first, from where, and how many at once must not matter."""
+
+import os
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fakes.scenes import POSES, Studio
+from oracles.heads import stand_in
+
+from lrsr.identities.morphable import sample_head
+
+ASK = {"ipd_px": 4.0, "samples_per_pixel": 16}
+
+HEADER = """
+import multiprocessing, sys, threading
+import numpy as np
+from fakes.scenes import Studio
+from oracles.heads import stand_in
+from lrsr.rendering import render
+
+def picture(_=0):
+    return float(render(stand_in(0), ipd_px=4.0, samples_per_pixel=16).image.double().mean())
+
+def in_threads(count, function):
+    seen, faults = [], []
+    def work():
+        try:
+            seen.append(function())
+        except BaseException as error:
+            faults.append(f"{type(error).__name__}: {error}")
+    threads = [threading.Thread(target=work) for _ in range(count)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    return seen, faults
+
+def in_child(method):
+    with multiprocessing.get_context(method).Pool(1) as pool:
+        return pool.map_async(picture, [0]).get(timeout=120)[0]
+"""
+
+FIRST = {
+    "four threads render": "seen, faults = in_threads(4, picture)",
+    "one thread, then the main one": "seen, faults = in_threads(1, picture); seen += [picture()]",
+    "a thread for each renderer": (
+        "seen, faults = in_threads(3, lambda: float(Studio().render("
+        "stand_in(0), ipd_px=4.0, samples_per_pixel=16).image.double().mean()))"
+    ),
+    "a spawned child of a renderer": "seen, faults = [picture(), in_child('spawn')], []",
+    "a child of a fork server": "seen, faults = [picture(), in_child('forkserver')], []",
+    "a forked child before its parent": "seen, faults = [in_child('fork'), picture()], []",
+}
+
+
+def run(tmp_path: Path, body: str) -> subprocess.CompletedProcess[str]:
+    script = tmp_path / "first.py"
+    indented = body.replace("\n", "\n    ")
+    script.write_text(f"{HEADER}\nif __name__ == '__main__':\n    {indented}\n")
+    environment = {**os.environ, "PYTHONWARNINGS": "ignore"}  # multiprocessing's, of forks
+    paths = [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    environment["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
+    return subprocess.run(
+        [sys.executable, str(script)], env=environment, text=True, timeout=300,
+        capture_output=True, check=False,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("body", FIRST.values(), ids=FIRST)
+def test_the_first_use_may_be_anywhere(tmp_path: Path, body: str) -> None:
+    """Case 15: one of two threads died of "module 'mitsuba' has no attribute 'set_variant'"."""
+    done = run(tmp_path, f"{body}\nprint(len(set(seen)), faults)")
+    assert done.stdout.splitlines()[-1:] == ["1 []"], done.stderr
+
+
+def test_a_child_forked_after_a_render_says_what_to_do(tmp_path: Path) -> None:
+    done = run(tmp_path, "picture()\nin_child('fork')")
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("lrsr.errors.InputError: process ")
+    assert "forked after its parent had started Mitsuba" in last
+    assert last.endswith("start it by multiprocessing's 'spawn' or 'forkserver'")
+
+
+def test_threads_of_one_renderer_get_what_they_asked_for(renderer: Studio) -> None:
+    jobs = [(stand_in(number % 3), pose) for number, pose in enumerate([*POSES] * 3)]
+    wanted = [renderer.render(head, pose=pose, **ASK).image for head, pose in jobs]
+    with ThreadPoolExecutor(4) as pool:
+        seen = list(pool.map(lambda job: renderer.render(job[0], pose=job[1], **ASK).image, jobs))
+    assert all(a.equal(b) for a, b in zip(wanted, seen, strict=True))
+
+
+def test_heads_are_built_while_another_is_rendered(renderer: Studio) -> None:
+    wanted = renderer.render(stand_in(0), **ASK).image
+    heads = []
+    builder = threading.Thread(target=lambda: heads.append(sample_head(3, texture_size=64)))
+    builder.start()
+    while builder.is_alive():
+        assert renderer.render(stand_in(0), **ASK).image.equal(wanted)
+    builder.join()
+    plain = sample_head(3, texture_size=64)
+    for built, part in zip(heads[0].parts, plain.parts, strict=True):
+        np.testing.assert_array_equal(built.vertices, part.vertices)
+        np.testing.assert_array_equal(built.albedo, part.albedo)
