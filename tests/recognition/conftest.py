@@ -7,8 +7,6 @@ from typing import Any
 import onnx
 import pytest
 import torch
-from fakes.painted import PaintedMaker
-from lrsr.data.cache import RenderCache
 from onnx import TensorProto, helper
 
 from lrsr.onnx import contract_path, sha256_of
@@ -22,16 +20,6 @@ def _one_thread() -> Iterator[None]:
     torch.set_num_threads(1)
     yield
     torch.set_num_threads(threads)
-
-
-@pytest.fixture
-def maker() -> PaintedMaker:
-    return PaintedMaker()
-
-
-@pytest.fixture
-def cache(tmp_path: Path) -> RenderCache:
-    return RenderCache(tmp_path / "cache")
 
 
 WriteModel = Callable[..., Path]
