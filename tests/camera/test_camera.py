@@ -11,6 +11,7 @@ from omegaconf import OmegaConf
 
 import lrsr.camera
 from lrsr.camera import Camera
+from lrsr.camera.camera import STAGES
 from lrsr.camera.codec import COMPRESSIONS, Jpeg, jpeg
 from lrsr.camera.colour import Colour
 from lrsr.camera.encoding import encode
