@@ -22,6 +22,7 @@ from lrsr.calibration.jpeg_blocks import JpegEstimate, estimate_jpeg
 from lrsr.camera.checks import check_light
 from lrsr.camera.codec import jpeg
 from lrsr.camera.jpeg_tables import BLOCK_PX
+from lrsr.camera.soft_jpeg import SHARING
 
 AGREEING = 0.8
 """Share of the pictures that show the common grid at least, or each is asked for its own."""
@@ -30,9 +31,8 @@ MARGIN_PX = 4
 ROUNDED = 0.6
 """Mean square change, levels² of 255, that rounding does not exceed."""
 _PLACES = {
-    "4:4:4": ((0, 0),),
-    "4:2:2": ((0, 0), (BLOCK_PX, 0)),
-    "4:2:0": ((0, 0), (BLOCK_PX, 0), (0, BLOCK_PX), (BLOCK_PX, BLOCK_PX)),
+    chroma: [(BLOCK_PX * x, BLOCK_PX * y) for y in range(rows) for x in range(columns)]
+    for chroma, (rows, columns) in SHARING.items()
 }
 
 

@@ -157,13 +157,9 @@ def _warn_of_near_copies(folder: Path, srgb: torch.Tensor) -> None:
     apart = torch.cdist(coarse, coarse) / coarse.shape[1] ** 0.5
     near = int((apart.fill_diagonal_(math.inf).amin(1) < NEAR_LEVELS).sum())
     if near:
-        logger.warning(
-            "images=%s: %d of %d pictures hardly differ from another one; frames of one shot are "
-            "no different people, and errors will seem too small",
-            folder,
-            near,
-            len(srgb),
-        )
+        told = f"{near} of {len(srgb)} pictures hardly differ from another one"
+        why = "frames of one shot are no different people, and errors will seem too small"
+        logger.warning("images=%s: %s; %s", folder, told, why)
 
 
 def _check_sizes(pictures: dict[Path, torch.Tensor]) -> None:
