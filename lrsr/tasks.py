@@ -26,6 +26,7 @@ def run_eval(config: "DictConfig") -> Path:
     """
     from hydra.utils import get_class  # loaded by then
 
+    _refuse_unread(config)
     kind: Any = get_class(str(config._target_))
     experiment = kind.from_config(config)
     with run_folder(config) as folder:
@@ -35,6 +36,25 @@ def run_eval(config: "DictConfig") -> Path:
 
 
 run_demo = run_eval
+
+_OF_PROBES = ("ipd_px", "options", "conditions", "lens", "standpoint", "camera")
+_OF_PEOPLE = ("identities", "rendering")
+
+
+def _refuse_unread(config: "DictConfig") -> None:
+    """Refuse what was typed about rendering where photographs take its place.
+
+    Raises:
+        InputError: A setting would not be read.
+    """
+    from hydra.core.hydra_config import HydraConfig  # loaded by then
+
+    folders = [key for key in ("probes", "gallery") if config[key].folder is not None]
+    unread = [*(_OF_PROBES if "probes" in folders else ()), *(_OF_PEOPLE if folders[1:] else ())]
+    for word in HydraConfig.get().overrides.task:
+        key = word.lstrip("+~").partition("=")[0]
+        if key.replace("/", ".").split(".")[0] in unread:
+            raise InputError(f"{key}: photographs in {folders[0]}.folder are as they are; leave it")
 
 
 def run_render(config: "DictConfig") -> Path:
