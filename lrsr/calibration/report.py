@@ -17,8 +17,8 @@ from lrsr.calibration.fit import Fit
 from lrsr.calibration.parameters import camera_of, lens_blur_px
 from lrsr.calibration.picture_statistics import BENT_NAMES, RANGES, RINGS
 from lrsr.calibration.real_pictures import RealPictures
-from lrsr.files import write_bytes, write_json, write_text
-from lrsr.pages import COLOURS, DPI, FILE, STYLE, data_uri, encode_face, png_bytes, template
+from lrsr.files import write_bytes, write_json
+from lrsr.pages import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes, write_page
 from lrsr.provenance import versions
 
 SHOWN = 8
@@ -98,13 +98,16 @@ def write_finding(
     Raises:
         InputError: The folder cannot be written.
     """
-    figure, fit, made_by = _draw_fit(finding.fit), finding.fit, versions()
+    figure, fit = _draw_fit(finding.fit), finding.fit
     means = (fit.measured, fit.before, fit.after, fit.spread)
     rows = dict(zip(BENT_NAMES, np.stack(means, 1).tolist(), strict=True))
     write_json(folder / "results.json", _results(finding, rows))
     write_bytes(folder / "statistics.png", figure)
-    page = template("fit_camera.html.j2").render(
+    return write_page(
+        folder,
+        "fit_camera",
         title=f"Camera {finding.preset['name']}",
+        question="Which camera took these pictures?",
         answer=_answer(finding),
         figure=data_uri(figure),
         columns={
@@ -115,12 +118,9 @@ def write_finding(
         statistics=rows,
         done=DONE,
         not_done=NOT_DONE,
-        versions=made_by,
-        commit=made_by["git"],
+        versions=versions(),
         seed=seed,
     )
-    write_text(folder / FILE, page)
-    return folder / FILE
 
 
 def _results(finding: Finding, rows: Mapping[str, Sequence[float]]) -> dict[str, Any]:
