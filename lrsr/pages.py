@@ -2,21 +2,27 @@
 
 import base64
 import io
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
 from numpy.typing import ArrayLike
 
 from lrsr.errors import ImageContractError
+from lrsr.files import write_text
 
-FILE = "report.html"
+_FILE = "report.html"
 DPI = 200
 COLOURS = ("#000000", "#56B4E9", "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC79A7", "#999999")
 """Okabe and Ito's palette, told apart with any kind of colour vision."""
+
+DASHES = ("-", (0, (1, 1)), "-", (0, (4, 1)), (0, (4, 1, 1, 1)), "-", (0, (2, 1)), (0, (6, 2)))
+"""A second way to tell lines apart, for grey print."""
 
 STYLE = {
     "font.family": "sans-serif",
@@ -34,8 +40,18 @@ STYLE = {
 }
 
 
-def template(name: str) -> Template:
-    """Return one of the pages' templates; whatever is put into it is escaped."""
+def write_page(folder: Path, name: str, *, versions: Mapping[str, str], **content: Any) -> Path:
+    """Write ``report.html``: one file with every picture inside; return its path.
+
+    Args:
+        folder: Of the run; made if need be.
+        name: Of the template; it extends ``page.html.j2``, which says what every page needs.
+        versions: Of the packages and assets, by name; "git" is the commit.
+        content: What the template prints; escaped.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).resolve().parent / "templates"),
         autoescape=True,
@@ -43,7 +59,9 @@ def template(name: str) -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(name)
+    path = folder / _FILE
+    write_text(path, environment.get_template(f"{name}.html.j2").render(content, versions=versions))
+    return path
 
 
 def encode_face(srgb: ArrayLike) -> str:

@@ -35,7 +35,7 @@ def run_eval(config: "DictConfig") -> Path:
         return result
 
 
-run_demo = run_eval
+run_demo = run_identities = run_eval
 
 _OF_PROBES = ("ipd_px", "options", "conditions", "lens", "standpoint", "camera")
 _OF_PEOPLE = ("identities", "rendering")
@@ -65,25 +65,20 @@ def run_render(config: "DictConfig") -> Path:
     """
     from omegaconf import OmegaConf
 
-    from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality, read_scene
+    from lrsr.pictures.sitting import read_gallery, read_probes
     from lrsr.pictures.to_folder import RenderSettings, render_to_folder
     from lrsr.rendering.scene import Film
 
     out = _path(config.out)
     if out is None:
         raise InputError("out=null: give the folder for the pictures, e.g. out=probes")
-    film = Film(number(config, "ipd_px"))
-    probes = Sitting(
-        people=read_people(config),
-        scene=read_scene(config),
-        film=film,
-        quality=read_quality(config).at(film.ipd_px),
-        kind=config.kind,
-        seed=seed_of(config),
-    )
     settings = RenderSettings(
         out=out,
-        sitting=read_gallery(config) if config.kind == "gallery" else probes,
+        sitting=(
+            read_gallery(config)
+            if config.kind == "gallery"
+            else read_probes(config, Film(number(config, "ipd_px")), config.kind)
+        ),
         camera=build(config.camera, "camera"),
         camera_settings=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
         compression=str(config.compression),
@@ -95,23 +90,6 @@ def run_render(config: "DictConfig") -> Path:
     return folder
 
 
-def run_identities(config: "DictConfig") -> Path:
-    """Show a set of people and redraw look-alikes; see :mod:`lrsr.experiments.people`.
-
-    Raises:
-        InputError: A setting is wrong; nothing has been rendered by then.
-    """
-    from lrsr.experiments.people import check_uniqueness  # torch takes seconds
-    from lrsr.experiments.uniqueness import uniqueness_settings
-
-    settings = uniqueness_settings(config)
-    camera = build(config.camera, "camera")
-    model = _path(config.recognition.model)
-    with run_folder(config) as folder:
-        write_provenance(folder, config)
-        return check_uniqueness(settings, folder, cache=_cache(config), camera=camera, model=model)
-
-
 def run_fit_camera(config: "DictConfig") -> Path:
     """Estimate a camera from real pictures; see :mod:`lrsr.calibration.from_pictures`.
 
@@ -121,19 +99,13 @@ def run_fit_camera(config: "DictConfig") -> Path:
     from omegaconf import OmegaConf
 
     from lrsr.calibration.from_pictures import FitSettings, fit_to_folder  # torch takes seconds
-    from lrsr.pictures.sitting import Sitting, read_people, read_quality, read_scene
+    from lrsr.pictures.sitting import read_probes
     from lrsr.rendering.scene import Film
 
     settings = FitSettings(
         images=user_path(config.images),
         preset=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
-        strangers=Sitting(
-            people=read_people(config),
-            scene=read_scene(config),
-            film=Film(),
-            quality=read_quality(config),
-            seed=seed_of(config),
-        ),
+        strangers=read_probes(config, Film()),
         name=str(config.name),
         ipd_px=None if config.ipd_px is None else number(config, "ipd_px"),
         part=number(config, "part"),

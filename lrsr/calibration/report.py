@@ -17,12 +17,32 @@ from lrsr.calibration.parameters import lens_blur_px
 from lrsr.calibration.picture_statistics import BENT_NAMES, GROUPS, RANGES, RINGS
 from lrsr.calibration.real_pictures import RealPictures
 from lrsr.camera.preset_file import build_camera
-from lrsr.files import write_bytes, write_json, write_text
-from lrsr.pages import COLOURS, DPI, FILE, STYLE, data_uri, encode_face, png_bytes, template
+from lrsr.files import write_bytes, write_json
+from lrsr.pages import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes, write_page
 from lrsr.provenance import versions
 
 SHOWN = 8
 """Faces of each kind: the first ones, not chosen."""
+
+DONE = (
+    "Rendered people, other than those of the pictures, were photographed with trial cameras until "
+    "the means of the statistics below agreed with those of the pictures (method of simulated "
+    "moments).",
+    "JPEG quality, grid and chroma sub-sampling were found first: from the headers of JPEG files, "
+    "else from the combs in the histograms of DCT coefficients.",
+)
+NOT_DONE = (
+    "The pictures are not compared one by one: nobody knows what they should look like.",
+    "Exposure is known only together with the albedo of the people in the pictures, contrast with "
+    "their lighting; the cast is relative to the rendered population's skin, hair and light.",
+    "Read noise is a share of white; in electrons it is as uncertain as the electrons at white. "
+    "Gain and full well cannot be told apart. What the codec removed is not known at all.",
+    "Blur is given to the lens as defocus, whatever its cause; width of the sharpening, denoising, "
+    "mosaic, colour matrix, fixed pattern, and every compression but the last are those of the "
+    "camera that the search began with.",
+    "Standard errors are of first order and hold if the rendered population, pose and light are "
+    "like those of the pictures.",
+)
 
 
 @dataclass(frozen=True)
@@ -78,29 +98,29 @@ def write_finding(
     Raises:
         InputError: The folder cannot be written.
     """
-    figure, fit, made_by = _draw_fit(finding.fit), finding.fit, versions()
+    figure, fit = _draw_fit(finding.fit), finding.fit
     means = (fit.measured, fit.before, fit.after, fit.spread)
     rows = dict(zip(BENT_NAMES, np.stack(means, 1).tolist(), strict=True))
     write_json(folder / "results.json", _results(finding, rows))
     write_bytes(folder / "statistics.png", figure)
-    page = template("fit_camera.html.j2").render(
+    return write_page(
+        folder,
+        "fit_camera",
         title=f"Camera {finding.preset['name']}",
-        finding=finding,
-        grids=len({(x % 8, y % 8) for x, y in finding.origins_px}),
-        electrons=fit.product("read_noise", "white_e"),
-        unknown=[name for name, fitted in fit.values.items() if not fitted.known],
+        question="Which camera took these pictures?",
+        answer=_answer(finding),
         figure=data_uri(figure),
         columns={
             label: [encode_face(face) for face in column[:SHOWN].numpy()]
             for label, column in pictures.items()
         },
+        fit=fit,
         statistics=rows,
-        versions=made_by,
-        commit=made_by["git"],
+        done=DONE,
+        not_done=NOT_DONE,
+        versions=versions(),
         seed=seed,
     )
-    write_text(folder / FILE, page)
-    return folder / FILE
 
 
 def _results(finding: Finding, rows: Mapping[str, Sequence[float]]) -> dict[str, Any]:
@@ -122,6 +142,41 @@ def _results(finding: Finding, rows: Mapping[str, Sequence[float]]) -> dict[str,
         "refusal": finding.refusal,
         "preset": preset,
     }
+
+
+def _answer(finding: Finding) -> list[str]:
+    """Return what was found, in sentences."""
+    fit, real = finding.fit, finding.real
+    values, electrons = fit.plain, fit.product("read_noise", "white_e")
+    unknown = [name for name, fitted in fit.values.items() if not fitted.known]
+    sentences = [
+        f"{len(real.srgb)} pictures of {real.size_px[1]} × {real.size_px[0]} px: the lens blurs as "
+        f"a Gaussian of {finding.blur_px:.2f} px; sharpening {values['sharpen_amount']:.2f}.",
+        f"Read noise is {100 * values['read_noise']:.2g} % of white ({electrons.value:.3g} ± "
+        f"{electrons.error:.2g} of {values['white_e']:.0f} electrons).",
+        f"Gains over green: red {values['cast_red']:.3f}, blue {values['cast_blue']:.3f}; contrast "
+        f"{values['contrast']:.2f}, saturation {values['saturation']:.2f}.",
+        _kept(finding),
+        f"Mean square of the whitened differences: {fit.misfit_before:.1f} before, "
+        f"{fit.misfit_after:.2f} after; chance gives about 1.",
+    ]
+    if finding.refusal is not None:
+        sentences.insert(0, f"Not to be used: {finding.refusal}.")
+    if real.copies:
+        sentences.append(f"{len(real.copies)} further files were copies and left out.")
+    if unknown:
+        sentences.append(f"Mostly the guess, as the pictures do not show it: {', '.join(unknown)}.")
+    return sentences
+
+
+def _kept(finding: Finding) -> str:
+    stored, (x, y) = finding.preset["stored"], finding.preset["origin_px"]
+    if stored is None:
+        return "No JPEG blocks were found."
+    grids = len({(x % 8, y % 8) for x, y in finding.origins_px})
+    place = f"grid from ({-x % 8}, {-y % 8}) on" if grids == 1 else f"{grids} grids of blocks"
+    source = "say the files" if finding.real.jpeg is not None else "from the pixels"
+    return f"JPEG quality {stored['qualities']}, colours {stored['chroma']}, {place}, {source}."
 
 
 _BELOW: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 6}

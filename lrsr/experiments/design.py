@@ -62,6 +62,16 @@ class Condition:
         """Its name."""
         return "" if self.scene is None else self.scene.lighting.name
 
+    @property
+    def title(self) -> str:
+        """What a report calls it."""
+        words = [f"Option {self.option}"]
+        words += [] if self.ipd_px is None else [f"IPD {self.ipd_px:g} px"]
+        if self.scene is not None:
+            words[-1] += f": pose {self.pose}"
+            words += [f"light {self.lighting}", f"compression {self.compression}"]
+        return ", ".join(words)
+
 
 @dataclass(frozen=True)
 class Design:

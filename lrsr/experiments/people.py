@@ -5,10 +5,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
+from torch.nn.functional import avg_pool2d
 
 from lrsr.camera import Camera
 from lrsr.evaluation.distinctness import Drawn, summarise
@@ -21,37 +20,40 @@ from lrsr.experiments.uniqueness import (
     Gallery,
     UniquenessSettings,
     find_distinct,
-    gate_tally,
     make_roster,
     summary,
 )
-from lrsr.files import write_bytes, write_json, write_text
+from lrsr.files import write_bytes, write_json
+from lrsr.identities.gate.gate import tally
 from lrsr.identities.roster import write_roster
-from lrsr.pages import FILE, data_uri, encode_face, template
+from lrsr.pages import data_uri, encode_face, write_page
+from lrsr.paths import user_path
 from lrsr.pictures.cache import RenderCache
-from lrsr.pictures.folder import Entry, write_manifest
+from lrsr.pictures.folder import write_manifest
 from lrsr.pictures.image_files import write_png
 from lrsr.pictures.maker import Maker, mitsuba_maker
 from lrsr.pictures.picture import Picture
-from lrsr.pictures.to_folder import Shoot, describe_picture
+from lrsr.pictures.source import chunks
+from lrsr.pictures.to_folder import Shoot
+from lrsr.presets import build
 from lrsr.provenance import versions
 from lrsr.recognition.encoders import load_encoder
 
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
 SHEET = 60
 """People on the contact sheet at most: the first ones, not chosen."""
-PICTURES = "gallery"
-ROSTER = "roster.json"
-REJECTED = 50
-"""Lines of the report's table of who was redrawn, at most."""
+_PICTURES = "gallery"
 
-DONE = (
+_DONE = (
     "Every picture is a gallery picture: frontal pose and light, not compressed, rendered by "
     "Mitsuba.",
     "Each person is the first of their draws that is far enough from everybody before them, so a "
     "person stays the same however many follow.",
     "Faces were cut out by the renderer's true landmarks: nobody was missed by a detector.",
 )
-NOT_DONE = (
+_NOT_DONE = (
     "Everyone was compared by one picture; how much a person differs from himself in other poses "
     "and lights is the question of lrsr eval.",
     "The angle is that of one network, and shared light, camera and renderer make all pictures "
@@ -60,80 +62,80 @@ NOT_DONE = (
     "alike.",
 )
 
-_NAMES = {
-    "min": "smallest",
-    "p0_1": "0.1 %",
-    "p1": "1 %",
-    "p5": "5 %",
-    "median": "median",
-    "p95": "95 %",
-    "max": "largest",
-}
-
 logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Look:
-    """What somebody looks like: ``(3, h, w)`` srgb, and a line under it."""
+class Uniqueness:
+    """Redraws look-alikes, and shows who is left.
 
-    face: NDArray[np.float32]
-    caption: str
-
-
-def check_uniqueness(
-    settings: UniquenessSettings,
-    folder: Path,
-    *,
-    cache: RenderCache,
-    camera: Camera,
-    model: Path | None = None,
-    maker: Maker | None = None,
-    progress: bool = True,
-) -> Path:
-    """Redraw look-alikes; write roster, pictures with their manifest, figures and report.
-
-    Stopped at any moment, the same call goes on: what was rendered is in the cache.
-
-    Args:
+    Attributes:
         settings: What is asked.
-        folder: Of the run.
-        cache: Where renderings are kept.
         camera: Takes every picture.
         model: ONNX embedder in place of the shipped one, with its contract beside it.
-        maker: Renders; Mitsuba when None.
-        progress: Show bars on stderr.
-
-    Returns:
-        ``folder``.
-
-    Raises:
-        InputError: A file or a folder is wrong, or an encoder is missing.
     """
-    maker = maker or mitsuba_maker()
-    encoder = load_encoder(settings.encoder, model)
-    gallery = Gallery(settings, cache, encoder, camera, maker, progress=progress)
-    findings = find_distinct(settings, gallery)
-    roster = make_roster(settings, findings, maker.versions["identities"])
-    write_roster(folder / ROSTER, roster)
-    shown = {*findings.drawn[:SHEET]}
-    shown |= {findings.drawn[k] for pair in findings.pairs for k in (pair.first, pair.second)}
-    looks = _write_pictures(folder, gallery, findings.drawn, shown)
-    made_by, gate = versions(), gate_tally(gallery, findings.drawn)
-    written = {
-        **summary(findings),
-        "gate": gate,
-        "distribution": spread(findings.people),
-        "config": settings.describe(),
-        "versions": made_by,
-    }
-    write_json(folder / "results.json", written)
-    write_json(folder / "distribution.json", written["distribution"])
-    figures = _write_figures(folder, settings, findings, looks)
-    write_text(folder / FILE, _page(settings, findings, looks, figures, gate, made_by))
-    for sentence in (*answer(settings, findings), gate_sentence(gate)):
-        logger.info("%s", sentence)
-    return folder
+
+    settings: UniquenessSettings
+    camera: Camera
+    model: Path | None = None
+
+    @classmethod
+    def from_config(cls, config: "DictConfig") -> "Uniqueness":
+        """Read a composed configuration of ``lrsr identities``.
+
+        Raises:
+            InputError: A value is wrong; the message names the setting and the remedy.
+        """
+        model = config.recognition.model
+        return cls(
+            UniquenessSettings.from_config(config),
+            build(config.camera, "camera"),
+            None if model is None else user_path(model),
+        )
+
+    def run(
+        self,
+        folder: Path,
+        cache: RenderCache,
+        *,
+        maker: Maker | None = None,
+        progress: bool = True,
+    ) -> Path:
+        """Write roster, pictures with their manifest, figures and report into ``folder``.
+
+        Stopped at any moment, the same call goes on: what was rendered is in the cache.
+
+        Args:
+            folder: Of the run.
+            cache: Where renderings are kept.
+            maker: Renders; Mitsuba when None.
+            progress: Show bars on stderr.
+
+        Raises:
+            InputError: A file or a folder is wrong, or an encoder is missing.
+        """
+        settings, maker = self.settings, maker or mitsuba_maker()
+        encoder = load_encoder(settings.encoder, self.model)
+        gallery = Gallery(settings, cache, encoder, self.camera, maker, progress=progress)
+        findings = find_distinct(settings, gallery)
+        roster = make_roster(settings, findings, maker.versions["identities"])
+        write_roster(folder / "roster.json", roster)
+        portraits = _write_pictures(folder, gallery, findings, maker.versions)
+        results = {
+            **summary(findings),
+            "gate": tally(person.gate for person in findings.people if person.gate),
+            "distribution": spread(findings.people),
+            "config": settings.describe(),
+            "versions": versions(),
+        }
+        write_json(folder / "results.json", results)
+        write_json(folder / "distribution.json", results["distribution"])
+        figures = _write_figures(folder, settings, findings, portraits)
+        said = [*answer(settings, findings), gate_sentence(results["gate"])]
+        _write_page(folder, results, findings, portraits, figures, said)
+        for sentence in said:
+            logger.info("%s", sentence)
+        return folder
 
 
 def answer(settings: UniquenessSettings, findings: Findings) -> list[str]:
@@ -174,121 +176,103 @@ def gate_sentence(gate: Mapping[str, Any]) -> str:
 
 
 def _write_pictures(
-    folder: Path, gallery: Gallery, drawn: Sequence[Drawn], shown: set[Drawn]
-) -> dict[Drawn, Look]:
-    """Write everyone's picture and the manifest; return the looks of those who are shown."""
-    rows: list[Entry] = []
-    shoot = Shoot(gallery.settings.gallery, gallery.camera)
-    looks: dict[Drawn, Look] = {}
-    for start in range(0, len(drawn), 64):
-        some = drawn[start : start + 64]
-        for one, picture in zip(some, gallery.photograph(some), strict=True):
-            row = describe_picture(picture, gallery.recipe(one), shoot, gallery.maker.versions)
-            write_png(folder / PICTURES / row.file, picture.image)
-            rows.append(replace(row, file=f"{PICTURES}/{row.file}"))
+    folder: Path, gallery: Gallery, findings: Findings, made_by: Mapping[str, str]
+) -> dict[Drawn, Picture]:
+    """Write everyone's picture and the manifest; return the pictures that are shown."""
+    drawn, rows = findings.drawn, []
+    shown = {
+        *drawn[:SHEET],
+        *(drawn[k] for pair in findings.pairs for k in (pair.first, pair.second)),
+    }
+    shoot, source = Shoot(gallery.settings.gallery, gallery.camera), gallery.source(drawn)
+    portraits: dict[Drawn, Picture] = {}
+    for place, pictures in chunks(source):
+        for one, picture in zip(drawn[place], pictures, strict=True):
+            row = shoot.entry(picture, gallery.recipe(one), made_by)
+            row = replace(row, file=f"{_PICTURES}/{row.file}")
+            write_png(folder / row.file, picture.image)
+            rows.append(row)
             if one in shown:
-                looks[one] = Look(picture.image.numpy(), _caption(picture))
+                portraits[one] = picture
     write_manifest(folder, rows)
-    return looks
+    return portraits
 
 
 def _caption(picture: Picture) -> str:
-    if picture.traits is None:
-        return picture.identity_id
-    return f"{picture.identity_id}  {picture.traits.sex[0]} {picture.traits.age_years:.0f}"
+    who = picture.traits
+    return " ".join([picture.identity_id, *([f" {who.sex[0]} {who.age_years:.0f}"] if who else [])])
 
 
 def _write_figures(
-    folder: Path, settings: UniquenessSettings, findings: Findings, looks: Mapping[Drawn, Look]
-) -> dict[str, str | None]:
-    """Write the PNG files; return those that the report holds, too, as data URIs."""
-    sheet = [looks[one] for one in findings.drawn[:SHEET]]
-    portraits = draw_portraits(
-        [look.face for look in sheet],
-        [look.caption for look in sheet],
-        columns=math.ceil(math.sqrt(1.6 * len(sheet))),  # about as wide as a screen
-    )
-    write_bytes(folder / "contact_sheet.png", portraits)
-    figures: dict[str, bytes] = {}
+    folder: Path,
+    settings: UniquenessSettings,
+    findings: Findings,
+    portraits: Mapping[Drawn, Picture],
+) -> dict[str, str]:
+    """Write the PNG files; return them as data URIs by name."""
+    sheet = [portraits[one] for one in findings.drawn[:SHEET]]
+    figures = {
+        "contact_sheet": draw_portraits(
+            [one.image for one in sheet],
+            [_caption(one) for one in sheet],
+            columns=math.ceil(math.sqrt(1.6 * len(sheet))),  # about as wide as a screen
+        )
+    }
     if findings.people:
         figures["distribution"] = draw_spread(findings.people)
     if len(findings.angles_deg):
         least = settings.smallest_angle_deg
         figures["angles"] = draw_angles(findings.angles_deg, least, settings.encoder)
-        write_bytes(folder / "nearest_pairs.png", _draw_pairs(findings, looks))
+        figures["nearest_pairs"] = _draw_pairs(findings, portraits)
     for name, png in figures.items():
         write_bytes(folder / f"{name}.png", png)
-    return {
-        name: data_uri(figures[name]) if name in figures else None
-        for name in ("distribution", "angles")
-    }
+    return {name: data_uri(png) for name, png in figures.items()}
 
 
-def _draw_pairs(findings: Findings, looks: Mapping[Drawn, Look]) -> bytes:
+def _draw_pairs(findings: Findings, portraits: Mapping[Drawn, Picture]) -> bytes:
     faces, captions = [], []
     for pair in findings.pairs:
-        first, second = (looks[findings.drawn[k]] for k in (pair.first, pair.second))
-        faces += [first.face, second.face]
-        captions += [f"{pair.angle_deg:.1f}°   {first.caption}", second.caption]
+        first, second = (portraits[findings.drawn[k]] for k in (pair.first, pair.second))
+        faces += [first.image, second.image]
+        captions += [f"{pair.angle_deg:.1f}°   {_caption(first)}", _caption(second)]
     return draw_portraits(faces, captions, columns=4, group=2)
 
 
-def _page(
-    settings: UniquenessSettings,
+def _write_page(
+    folder: Path,
+    results: Mapping[str, Any],
     findings: Findings,
-    looks: Mapping[Drawn, Look],
-    figures: Mapping[str, str | None],
-    gate: Mapping[str, Any],
-    made_by: Mapping[str, str],
-) -> str:
+    portraits: Mapping[Drawn, Picture],
+    figures: Mapping[str, str],
+    said: Sequence[str],
+) -> None:
+    """Write the page; its pictures are halved, so that its size can be borne."""
     small = {
-        one: {"face": encode_face(_halved(look.face)), "caption": look.caption}
-        for one, look in looks.items()
+        one: {"face": encode_face(avg_pool2d(picture.image, 2)), "caption": _caption(picture)}
+        for one, picture in portraits.items()
     }
-    found = summary(findings)
-    rows = [("after redraws", found["angles_deg"]), ("first draws", found["first_angles_deg"])]
-    return template("identities.html.j2").render(
+    write_page(
+        folder,
+        "identities",
         title=f"{len(findings.drawn)} {_noun(len(findings.drawn))}",
-        answer=[*answer(settings, findings), gate_sentence(gate)],
+        question="Is everybody somebody else, and who are they?",
+        answer=said,
+        results=results,
+        figures=figures,
         portraits=[small[one] for one in findings.drawn[:SHEET]],
-        distribution_figure=figures["distribution"],
-        angles_figure=figures["angles"],
-        angle_names=list(_NAMES.values()),
-        angle_rows=[
-            (label, [f"{angles[name]:.1f}" for name in _NAMES])
-            for label, angles in rows
-            if angles["pairs"]
-        ],
         pairs=[
-            {
-                "first": small[findings.drawn[pair.first]],
-                "second": small[findings.drawn[pair.second]],
-                "angle": f"{pair.angle_deg:.1f}",
-            }
+            [
+                *(small[findings.drawn[k]] for k in (pair.first, pair.second)),
+                f"{pair.angle_deg:.1f}",
+            ]
             for pair in findings.pairs
         ],
-        rejected=found["rejected"][:REJECTED],
-        rejected_left_out=max(0, len(found["rejected"]) - REJECTED),
-        gate=gate,
-        done=DONE,
-        not_done=NOT_DONE,
-        settings=list(flat(_settings(settings, findings))),
-        versions=made_by,
-        commit=made_by["git"],
-        seed=settings.gallery.seed,
+        done=_DONE,
+        not_done=_NOT_DONE,
+        settings=list(flat({**results["config"], "recognition": results["encoder"]})),
+        versions=results["versions"],
+        seed=results["config"]["seed"],
     )
-
-
-def _settings(settings: UniquenessSettings, findings: Findings) -> dict[str, Any]:
-    return {**settings.describe(), "recognition": dict(findings.encoder)}
-
-
-def _halved(face: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Average 2 x 2 pixels, for a report of bearable size."""
-    _, height, width = face.shape
-    even = face[:, : height // 2 * 2, : width // 2 * 2]
-    halved = even.reshape(3, height // 2, 2, width // 2, 2).mean(axis=(2, 4))
-    return np.asarray(halved, dtype=np.float32)
 
 
 def _noun(count: int) -> str:

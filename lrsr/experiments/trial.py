@@ -9,10 +9,10 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.evaluation.quality import psnr_y
-from lrsr.evaluation.roc import RocCurve
 from lrsr.evaluation.scores import CosineScores
 from lrsr.experiments.design import Condition, Design
-from lrsr.experiments.table import Comparison, Row, evaluate
+from lrsr.experiments.report.page import Panel
+from lrsr.experiments.table import Record, evaluate
 from lrsr.images import scale_points
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
@@ -41,21 +41,15 @@ class Outcome:
     """All that one condition gives.
 
     Attributes:
-        condition: The condition.
-        rows: A row a method, in the order asked for.
+        rows: A row a method, in the order asked for; see :func:`lrsr.experiments.table.evaluate`.
         comparisons: Each method against the picture as it is and against its bicubic.
-        curves: ROC curve of each method.
-        pictures: The first people, by column: "Gallery", "Probe", each method's label,
-            "Reference"; each ``(n, 3, h, w)`` srgb; photographs of several sizes show none.
-        people: Who they are.
+        panel: ROC curve of each method, and the first people, by column: "Gallery", "Probe", each
+            method's label, "Reference"; photographs of several sizes are not shown.
     """
 
-    condition: Condition
-    rows: tuple[Row, ...]
-    comparisons: tuple[Comparison, ...]
-    curves: Mapping[str, RocCurve]
-    pictures: Mapping[str, torch.Tensor]
-    people: Sequence[str]
+    rows: Sequence[Record]
+    comparisons: Sequence[Record]
+    panel: Panel
 
 
 class Trial:
@@ -151,7 +145,9 @@ class Trial:
         }
         rows, comparisons, curves = evaluate(self.design, condition, scores, decibels)
         pictures = self._pictures(probes, references, shown)
-        return Outcome(condition, rows, comparisons, curves, pictures, ids[0][:SHOWN])
+        named = {upscalers[method].label: curve for method, curve in curves.items()}
+        panel = Panel(condition.title, named, pictures, ids[0][:SHOWN])
+        return Outcome(rows, comparisons, panel)
 
     def _enlarge_and_embed(
         self,

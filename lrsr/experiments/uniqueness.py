@@ -26,11 +26,11 @@ from lrsr.evaluation.distinctness import (
 from lrsr.identities.person import Traits
 from lrsr.identities.roster import Roster
 from lrsr.pictures.cache import RenderCache
-from lrsr.pictures.maker import Maker, mitsuba_maker
-from lrsr.pictures.picture import Picture, stack
+from lrsr.pictures.maker import Maker
+from lrsr.pictures.picture import stack
 from lrsr.pictures.recipe import Recipe
-from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
 from lrsr.pictures.sitting import Sitting, read_gallery
+from lrsr.pictures.source import Rendered, chunks, render_sources
 from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
 
 if TYPE_CHECKING:
@@ -63,25 +63,20 @@ class UniquenessSettings:
 
     def describe(self) -> dict[str, Any]:
         """Return all of it in plain values."""
-        return {**vars(self), "gallery": self.gallery.describe()}
+        gallery = self.gallery.describe()
+        return {**vars(self), "gallery": gallery, "seed": self.gallery.seed}
 
+    @classmethod
+    def from_config(cls, config: "DictConfig") -> "UniquenessSettings":
+        """Read the settings of ``lrsr identities`` from its composed configuration.
 
-def uniqueness_settings(config: "DictConfig") -> UniquenessSettings:
-    """Read the settings of ``lrsr identities`` from its composed configuration.
-
-    Raises:
-        InputError: A value is out of range, or dlib is asked for and not installed.
-    """
-    encoder = resolve_encoder(str(config.encoder))
-    given = config.smallest_angle_deg is not None
-    return UniquenessSettings(
-        gallery=read_gallery(config),
-        encoder=encoder,
-        smallest_angle_deg=(
-            number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
-        ),
-        most_redraws=whole_number(config, "most_redraws"),
-    )
+        Raises:
+            InputError: A value is out of range, or dlib is asked for and not installed.
+        """
+        encoder = resolve_encoder(str(config.encoder))
+        given = config.smallest_angle_deg is not None
+        least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
+        return cls(read_gallery(config), encoder, least, whole_number(config, "most_redraws"))
 
 
 class Gallery:
@@ -92,7 +87,7 @@ class Gallery:
         cache: Where renderings are kept.
         encoder: Embeds.
         camera: Gives the pictures its exposure; they are enrolled ones, without its flaws.
-        maker: Renders what the cache lacks; Mitsuba when None.
+        maker: Renders what the cache lacks.
         progress: Show bars on stderr.
     """
 
@@ -102,26 +97,26 @@ class Gallery:
         cache: RenderCache,
         encoder: Encoder,
         camera: Camera,
-        maker: Maker | None = None,
+        maker: Maker,
         *,
         progress: bool = True,
     ) -> None:
         self.settings = settings
         self.encoder = encoder
+        self.camera = camera.clean()
         self.people: dict[Drawn, Traits | None] = {}
         self.embeddings: dict[Drawn, NDArray[np.float32]] = {}
-        self._cache = cache
-        self.camera = camera.clean()
-        self.maker, self._progress = maker or mitsuba_maker(), progress
+        self._rendered = (self.camera, cache, maker, progress)
 
     def recipe(self, drawn: Drawn) -> Recipe:
         """Return what somebody is rendered as; the same as the gallery of ``lrsr eval``."""
         (index, redraw), sitting = drawn, self.settings.gallery
         person = sitting.people.person(index)
-        redrawn = replace(person, draw=person.draw + redraw)
-        return Recipe(redrawn, sitting.scene, sitting.film, sitting.quality).seeded(
-            sitting.seed, sitting.kind
-        )
+        return sitting.recipe(replace(person, draw=person.draw + redraw))
+
+    def source(self, drawn: Sequence[Drawn]) -> Rendered:
+        """Return the pictures of people."""
+        return Rendered([self.recipe(one) for one in drawn], *self._rendered)
 
     def embed(self, drawn: Sequence[Drawn]) -> NDArray[np.float32]:
         """Render, photograph and embed people; return ``(n, D)``.
@@ -129,47 +124,18 @@ class Gallery:
         Raises:
             InputError: The cache cannot be read or written.
         """
-        recipes = [filmed(self.recipe(one), self.camera) for one in drawn]
-        render_missing(recipes, self._cache, progress=self._progress, maker=self.maker)
+        source = self.source(drawn)
+        render_sources([source])
         with tqdm(
-            total=len(drawn), desc="comparing", unit="face", disable=not self._progress
+            total=len(drawn), desc="comparing", unit="face", disable=not source.progress
         ) as bar:
-            for start in range(0, len(drawn), CHUNK):
-                some = drawn[start : start + CHUNK]
-                pictures = self.photograph(some)
+            for place, pictures in chunks(source):
                 images, landmarks = stack(pictures)
                 rows = self.encoder.embed(images, landmarks.numpy())
-                self.embeddings |= dict(zip(some, rows, strict=True))
-                for one, picture in zip(some, pictures, strict=True):
-                    self.people[one] = picture.traits
-                bar.update(len(some))
+                self.embeddings |= dict(zip(drawn[place], rows, strict=True))
+                self.people |= {o: p.traits for o, p in zip(drawn[place], pictures, strict=True)}
+                bar.update(len(pictures))
         return np.stack([self.embeddings[one] for one in drawn])
-
-    def photograph(self, drawn: Sequence[Drawn]) -> list[Picture]:
-        """Return the pictures of people.
-
-        Raises:
-            InputError: The cache cannot be read or written.
-        """
-        recipes = [self.recipe(one) for one in drawn]
-        return take_pictures(
-            recipes, self._cache, self.camera, progress=self._progress, maker=self.maker
-        )
-
-    def judge(self, drawn: Sequence[Drawn]) -> list[Mapping[str, Any]]:
-        """Draw people anew and return what the gate did to each; no picture is made."""
-        from lrsr.identities.morphable import sample_parameters
-        from lrsr.identities.splits import identity_seed
-
-        silent = not (self._progress and drawn)
-        people = (self.recipe(one).person for one in drawn)
-        return [
-            sample_parameters(
-                identity_seed(person.split, person.index, person.draw),
-                population=person.population,
-            )["gate"]
-            for person in tqdm(people, "judging", len(drawn), unit="person", disable=silent)
-        ]
 
 
 @dataclass(frozen=True)
@@ -257,6 +223,7 @@ def summary(findings: Findings) -> dict[str, Any]:
     """
     counts, edges = np.histogram(findings.angles_deg, bins=np.arange(0.0, 181.0, 1.0))
     pairs = len(findings.angles_deg)
+    left = {index: findings.names[index, draw] for index, draw in findings.drawn}
     return {
         "people": len(findings.drawn),
         "compared": round((1 + (1 + 8 * pairs) ** 0.5) / 2) if pairs else 0,
@@ -274,38 +241,11 @@ def summary(findings: Findings) -> dict[str, Any]:
         "rejected": [
             {
                 "who": findings.names[index, draw],
-                "too_near_to": findings.names[findings.drawn[_row(findings, near)]],
+                "too_near_to": left[near],
                 "angle_deg": angle,
             }
             for index, draw, near, angle in findings.outcome.rejected
         ],
-        "unresolved": [
-            findings.names[findings.drawn[_row(findings, index)]]
-            for index in findings.outcome.unresolved
-        ],
+        "unresolved": [left[index] for index in findings.outcome.unresolved],
         "encoder": dict(findings.encoder),
     }
-
-
-def gate_tally(gallery: Gallery, drawn: Sequence[Drawn]) -> dict[str, Any]:
-    """Count whose face or hair was drawn again because no adult has it, and why.
-
-    What was done is kept with everyone's picture; those with whom it was not are drawn anew, which
-    takes some 0.1 s each.
-
-    Args:
-        gallery: Of the people.
-        drawn: Who is counted.
-
-    Returns:
-        See :func:`lrsr.identities.gate.gate.tally`.
-    """
-    from lrsr.identities.gate.gate import tally
-
-    known = {one: person.gate for one in drawn if (person := gallery.people.get(one))}
-    unknown = [one for one in drawn if known.get(one) is None]
-    return tally([*filter(None, known.values()), *gallery.judge(unknown)])
-
-
-def _row(findings: Findings, index: int) -> int:
-    return index - findings.drawn[0][0]

@@ -9,7 +9,7 @@ the person that the file is named after.
 import csv
 import io
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -94,8 +94,6 @@ class Entry:
 
 _COLUMNS = tuple(each.name for each in fields(Entry) if each.name != "further")
 _REQUIRED = ("file", "identity_id")
-_NUMBERS = ("ipd_px", "yaw_deg", "pitch_deg", "roll_deg")
-_WHOLE = ("seed", "samples_per_pixel", "run_seed")
 
 
 def about(traits: Traits | None) -> dict[str, Any]:
@@ -245,27 +243,18 @@ def _entries(path: Path, reader: Any, pictures: bool) -> Iterator[Entry]:
 
 
 def _entry(path: Path, line: int, values: Mapping[str, str], pictures: bool) -> Entry:
-    texts = {name: values.get(name, "").strip() for name in _COLUMNS}
-    for name in ("file", "linear_file"):
-        texts[name] = texts[name].replace("\\", "/")
-    given: dict[str, object] = {**texts}
+    given: dict[str, Any] = {}
     try:
-        given |= {name: _finite(texts[name]) if texts[name] else None for name in _NUMBERS}
-        given |= {name: _whole(texts[name]) if texts[name] else None for name in _WHOLE}
-        given["scale"] = _scale(texts["scale"])
-        points = tuple(_finite(x) for x in texts["landmarks_px"].split())
+        for name in _COLUMNS:
+            if text := values.get(name, "").strip():  # what is empty has its default
+                given[name] = _READERS.get(name, str)(text)
     except ValueError as error:
         raise InputError(f"{path}, line {line}: {error}") from error
-    if len(points) not in (0, 10):
-        raise InputError(
-            f"{path}, line {line}: landmarks_px holds {len(points)} numbers, wanted 10"
-        )
-    given["landmarks_px"] = points or None
-    further = {name: text for name, text in values.items() if name and name not in _COLUMNS}
-    entry = Entry(**given, further=further)  # type: ignore[arg-type]  # converted where not text
     for name in _REQUIRED:
-        if not texts[name]:
+        if name not in given:
             raise InputError(f"{path}, line {line}: {name} is empty; fill it in")
+    further = {name: text for name, text in values.items() if name and name not in _COLUMNS}
+    entry = Entry(**given, further=further)
     for name in filter(None, (entry.file, entry.linear_file)):
         inside = (path.parent / name).resolve()
         if not inside.is_relative_to(path.parent.resolve()):
@@ -275,8 +264,19 @@ def _entry(path: Path, line: int, values: Mapping[str, str], pictures: bool) -> 
     return entry
 
 
+def _slashed(text: str) -> str:
+    return text.replace("\\", "/")
+
+
+def _points(text: str) -> tuple[float, ...]:
+    points = tuple(_finite(x) for x in text.split())
+    if len(points) != 10:
+        raise ValueError(f"landmarks_px holds {len(points)} numbers, wanted 10")
+    return points
+
+
 def _scale(text: str) -> int:
-    scale = _whole(text or "1")
+    scale = _whole(text)
     if scale < 1:
         raise ValueError(f"scale={scale}: wanted a number >= 1")
     return scale
@@ -294,3 +294,13 @@ def _finite(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError(f"{text} is not a finite number")
     return value
+
+
+_READERS: Mapping[str, Callable[[str], object]] = {
+    **dict.fromkeys(("file", "linear_file"), _slashed),
+    **dict.fromkeys(("ipd_px", "yaw_deg", "pitch_deg", "roll_deg"), _finite),
+    **dict.fromkeys(("seed", "samples_per_pixel", "run_seed"), _whole),
+    "scale": _scale,
+    "landmarks_px": _points,
+}
+"""How a column is read; those of others are text."""

@@ -156,19 +156,14 @@ def take_pictures(
         chunk = recipes[start : start + CHUNK]
         films = [filmed(recipe, camera) for recipe in chunk]
         radiances = load_radiances(films, cache, progress=progress, maker=maker)
-        pictures += photograph(chunk, radiances, camera)
+        pictures += _photograph(chunk, radiances, camera)
     return pictures
 
 
-def photograph(
+def _photograph(
     recipes: Sequence[Recipe], radiances: Sequence[Radiance], camera: Camera
 ) -> list[Picture]:
     """Send light through the camera, images of one size together; there is no gradient.
-
-    Args:
-        recipes: Of the pictures; the seed is that of the noise, too.
-        radiances: Their light, on films as fine as the camera wants them (:func:`filmed`).
-        camera: Takes the pictures.
 
     Raises:
         InputError: A film is not as fine as the camera wants it.
@@ -186,11 +181,10 @@ def photograph(
     for members in alike.values():
         linear = torch.stack([radiances[i].image for i in members])
         metered = torch.tensor([radiances[i].metered for i in members])
+        seeds = [recipes[i].seed for i in members]
+        spectrum = spectrum_of([radiances[i] for i in members])
         with torch.no_grad():
-            seeds = [recipes[i].seed for i in members]
-            spectrum = spectrum_of([radiances[i] for i in members])
-            srgb = camera(linear, metered, seeds, spectrum)
-            images |= dict(zip(members, srgb, strict=True))
+            images |= dict(zip(members, camera(linear, metered, seeds, spectrum), strict=True))
     return [
         Picture(
             image=images[i].clone(),

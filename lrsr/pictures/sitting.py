@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from lrsr.configuration import LARGEST_SEED, as_whole, require, section, seed_of
+from lrsr.identities.person import Person
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.recipe import KINDS, Kind, Recipe
 from lrsr.presets import value_of
@@ -47,11 +48,12 @@ class Sitting:
 
     def recipes(self, scale: int = 1) -> list[Recipe]:
         """Return what everyone is rendered as, on a film ``scale`` times finer."""
+        return [self.recipe(person, scale) for person in self.people.people()]
+
+    def recipe(self, person: Person, scale: int = 1) -> Recipe:
+        """Return what somebody is rendered as, on a film ``scale`` times finer."""
         film = replace(self.film, scale=self.film.scale * scale)
-        return [
-            Recipe(person, self.scene, film, self.quality).seeded(self.seed, self.kind)
-            for person in self.people.people()
-        ]
+        return Recipe(person, self.scene, film, self.quality).seeded(self.seed, self.kind)
 
     def describe(self) -> dict[str, Any]:
         """Return all of it in plain values, for records."""
@@ -91,6 +93,27 @@ def read_quality(config: "DictConfig") -> Quality:
     return Quality(**given, skin=skin)
 
 
+def read_probes(config: "DictConfig", film: Film, kind: Kind = "probe") -> Sitting:
+    """Read how everyone is pictured by the groups of a command.
+
+    Args:
+        config: Of the command.
+        film: As large as that; the quality follows from it.
+        kind: What the pictures are for.
+
+    Raises:
+        InputError: A value is wrong.
+    """
+    return Sitting(
+        people=read_people(config),
+        scene=read_scene(config),
+        film=film,
+        quality=read_quality(config).at(film.ipd_px),
+        kind=kind,
+        seed=seed_of(config),
+    )
+
+
 def read_gallery(config: "DictConfig") -> Sitting:
     """Read how everyone is enrolled; see ``conf/gallery``.
 
@@ -99,6 +122,7 @@ def read_gallery(config: "DictConfig") -> Sitting:
     """
     enrolled = config.gallery
     samples = as_whole(enrolled.samples_per_pixel, "gallery.samples_per_pixel")
+    require(samples >= 1, "gallery.samples_per_pixel", samples, "at least 1")
     film = Film(enrolled.ipd_px)
     require(film.ipd_px >= 4, "gallery.ipd_px", film.ipd_px, "at least 4")
     return Sitting(

@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,9 @@ from lrsr.pictures.image_files import write_png
 from lrsr.pictures.maker import Maker, mitsuba_maker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe, digest
-from lrsr.pictures.render import CHUNK, filmed, load_radiances, photograph, render_missing
+from lrsr.pictures.render import filmed, load_radiances
 from lrsr.pictures.sitting import Sitting
+from lrsr.pictures.source import Rendered, chunks, render_sources
 from lrsr.rendering.radiance import Radiance, spectrum_of
 
 
@@ -80,16 +81,49 @@ class Shoot:
     camera: Camera
     camera_settings: Mapping[str, Any] = field(default_factory=dict)
 
-    def describe(self, recipe: Recipe, versions: Mapping[str, str]) -> dict[str, Any]:
-        """Return everything that makes the picture of a recipe, in plain values.
+    def entry(self, picture: Picture, recipe: Recipe, versions: Mapping[str, str]) -> Entry:
+        """Return the row of a picture.
+
+        Its file's name says what is unusual about it, and ends in a digest of all that made it.
 
         Args:
-            recipe: Of the sitting.
-            versions: Of the code that renders it.
+            picture: As the camera stored it.
+            recipe: What was rendered.
+            versions: Of the code that rendered it.
         """
+        scene, film, skin, camera = recipe.scene, recipe.film, recipe.quality.skin, self.camera
         names = ("name", "exposure_ev", "compression", "bands", "adapted")
-        told = {name: getattr(self.camera, name) for name in names}
-        return {"recipe": recipe.plain(versions), "camera": {**self.camera_settings, **told}}
+        told = {**self.camera_settings, **{name: getattr(camera, name) for name in names}}
+        made_by = {"recipe": recipe.plain(versions), "camera": told}
+        usual = {"neutral", "pinhole", "level", "reflective", "reference"}
+        further = (scene.expression, scene.lens, scene.standpoint, skin, camera)
+        words = [picture.identity_id, self.sitting.kind, scene.pose.name, scene.lighting.name]
+        words += [camera.compression, *(each.name for each in further if each.name not in usual)]
+        words += [f"ipd{film.ipd_px:g}", f"x{picture.scale}", digest(made_by)[:8]]
+        points = picture.landmarks_px
+        angles = {name: value for name, value in asdict(scene.pose).items() if name != "name"}
+        return Entry(
+            file=re.sub(r"[^\w.-]+", "-", "_".join(words)) + ".png",
+            identity_id=picture.identity_id,
+            kind=self.sitting.kind,
+            pose=scene.pose.name,
+            lighting=scene.lighting.name,
+            compression=camera.compression,
+            camera=camera.name,
+            ipd_px=film.ipd_px,
+            scale=picture.scale,
+            seed=recipe.seed,
+            landmarks_px=None if points is None else tuple(points.flatten().tolist()),
+            **about(picture.traits),
+            expression=scene.expression.name,
+            lens=scene.lens.name,
+            standpoint=scene.standpoint.name,
+            **angles,
+            skin=skin.name,
+            samples_per_pixel=recipe.quality.samples_per_pixel,
+            run_seed=self.sitting.seed,
+            settings=json.dumps(made_by, sort_keys=True),
+        )
 
 
 def render_to_folder(
@@ -125,25 +159,24 @@ def _write_pictures(
     settings: RenderSettings, cache: RenderCache, progress: bool, maker: Maker
 ) -> Iterator[Entry]:
     """Write the pictures and yield their rows; what is not rendered yet is rendered first."""
-    batches = [
-        (settings.shoot(scale), settings.sitting.recipes(scale)) for scale in settings.scales
-    ]
-    everything = [filmed(recipe, shoot.camera) for shoot, recipes in batches for recipe in recipes]
-    render_missing(everything, cache, progress=progress, maker=maker)
+    shoots = {scale: settings.shoot(scale) for scale in settings.scales}
+    sources = {
+        scale: Rendered(settings.sitting.recipes(scale), shoot.camera, cache, maker, progress)
+        for scale, shoot in shoots.items()
+    }
+    render_sources([*sources.values()])
     sweep(settings.out)
-    for shoot, recipes in batches:
-        for start in range(0, len(recipes), CHUNK):
-            chunk = recipes[start : start + CHUNK]
-            films = [filmed(recipe, shoot.camera) for recipe in chunk]
-            radiances = load_radiances(films, cache, progress=progress, maker=maker)
-            pictures = photograph(chunk, radiances, shoot.camera)
-            for recipe, radiance, picture in zip(chunk, radiances, pictures, strict=True):
-                entry = describe_picture(picture, recipe, shoot, maker.versions)
+    for scale, source in sources.items():
+        for place, pictures in chunks(source):
+            for recipe, picture in zip(source.recipes[place], pictures, strict=True):
+                entry = shoots[scale].entry(picture, recipe, maker.versions)
                 write_png(settings.out / entry.file, picture.image)
                 if settings.png16:
                     stem = entry.file.removesuffix(".png")
                     entry = replace(entry, linear_file=f"{stem}_linear16.png")
-                    linear = _exposed(radiance, shoot.camera)
+                    film = [filmed(recipe, source.camera)]
+                    (light,) = load_radiances(film, cache, progress=progress, maker=maker)
+                    linear = _exposed(light, source.camera)
                     write_png(settings.out / entry.linear_file, linear, bits=16)
                 yield entry
 
@@ -167,50 +200,3 @@ def _exposed(radiance: Radiance, camera: Camera) -> torch.Tensor:
     observed = camera.clean().see(radiance.image[None], spectrum_of([radiance]))
     exposed = expose(observed, metered, camera.exposure_ev)
     return bin_pixels(exposed, camera.supersampling)[0]
-
-
-def describe_picture(
-    picture: Picture, recipe: Recipe, shoot: Shoot, versions: Mapping[str, str]
-) -> Entry:
-    """Return the row of a picture.
-
-    Its file's name says what is unusual about it, and ends in a digest of everything that made it.
-
-    Args:
-        picture: As the camera stored it.
-        recipe: What was rendered.
-        shoot: What it is one of.
-        versions: Of the code that rendered it.
-    """
-    scene, film, skin, camera = recipe.scene, recipe.film, recipe.quality.skin, shoot.camera
-    made_by = shoot.describe(recipe, versions)
-    usual = {"neutral", "pinhole", "level", "reflective", "reference"}
-    further = (scene.expression, scene.lens, scene.standpoint, skin, camera)
-    words = [picture.identity_id, shoot.sitting.kind, scene.pose.name, scene.lighting.name]
-    words += [camera.compression, *(each.name for each in further if each.name not in usual)]
-    words += [f"ipd{film.ipd_px:g}", f"x{picture.scale}", digest(made_by)[:8]]
-    points = picture.landmarks_px
-    return Entry(
-        file=re.sub(r"[^\w.-]+", "-", "_".join(words)) + ".png",
-        identity_id=picture.identity_id,
-        kind=shoot.sitting.kind,
-        pose=scene.pose.name,
-        lighting=scene.lighting.name,
-        compression=camera.compression,
-        camera=camera.name,
-        ipd_px=film.ipd_px,
-        scale=picture.scale,
-        seed=recipe.seed,
-        landmarks_px=None if points is None else tuple(points.flatten().tolist()),
-        **about(picture.traits),
-        expression=scene.expression.name,
-        lens=scene.lens.name,
-        standpoint=scene.standpoint.name,
-        yaw_deg=scene.pose.yaw_deg,
-        pitch_deg=scene.pose.pitch_deg,
-        roll_deg=scene.pose.roll_deg,
-        skin=skin.name,
-        samples_per_pixel=recipe.quality.samples_per_pixel,
-        run_seed=shoot.sitting.seed,
-        settings=json.dumps(made_by, sort_keys=True),
-    )

@@ -16,7 +16,7 @@ from matplotlib.image import imread
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.evaluation.distinctness import Distinct
-from lrsr.experiments.people import answer, check_uniqueness, gate_sentence
+from lrsr.experiments.people import Uniqueness, answer, gate_sentence
 from lrsr.experiments.report.sheets import GAP_PX, LINE_PX
 from lrsr.experiments.uniqueness import Findings, UniquenessSettings
 from lrsr.identities.gate.gate import tally
@@ -52,12 +52,9 @@ def run(
     cache: Path | None = None,
     **changes: Any,
 ) -> Path:
-    return check_uniqueness(
-        replace(SETTINGS, **changes),
+    return Uniqueness(replace(SETTINGS, **changes), Camera(), model).run(
         folder / "run",
-        cache=RenderCache(cache or folder / "cache"),
-        camera=Camera(),
-        model=model,
+        RenderCache(cache or folder / "cache"),
         maker=maker or TwinMaker(TWINS),
         progress=False,
     )

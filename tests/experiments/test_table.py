@@ -1,6 +1,5 @@
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from sklearn.metrics import roc_auc_score
 from lrsr.camera import Camera
 from lrsr.evaluation.scores import Scores
 from lrsr.experiments.design import Condition, Design
-from lrsr.experiments.table import Comparison, Row, evaluate, mean_psnr_db
+from lrsr.experiments.table import Record, evaluate
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.sitting import Sitting
 from lrsr.presets import preset
@@ -36,13 +35,13 @@ def scored(signal: float, seed: int = 0) -> Scores:
     return Scores(matrix + signal * np.eye(len(PEOPLE)), PEOPLE, PEOPLE)
 
 
-def row(scores: Scores, decibels: tuple[float, ...] = ()) -> Row:
+def row(scores: Scores, decibels: tuple[float, ...] = ()) -> Record:
     asked = design({"base": Bicubic(1)})
     (found,), _, _ = evaluate(asked, CONDITION, {"base": scores}, {"base": decibels})
     return found
 
 
-def tests(scores: Mapping[str, Scores]) -> tuple[Comparison, ...]:
+def compared(scores: Mapping[str, Scores]) -> list[Record]:
     asked = design({name: preset("sr", name) for name in scores})
     return evaluate(asked, CONDITION, scores, dict.fromkeys(scores, ()))[1]
 
@@ -51,46 +50,50 @@ def test_row_has_the_area_that_scikit_learn_finds() -> None:
     scores = scored(0.3)
     found = row(scores, (31.5,))
     truth = np.eye(len(PEOPLE)).ravel()
-    assert found.auc == pytest.approx(roc_auc_score(truth, scores.matrix.ravel()), abs=1e-12)
-    assert (found.n_genuine, found.n_impostor) == (40, 40 * 39)
-    assert found.low < found.auc < found.high
-    assert found.psnr_y_db == 31.5
+    assert found["auc"] == pytest.approx(roc_auc_score(truth, scores.matrix.ravel()), abs=1e-12)
+    assert (found["n_genuine"], found["n_impostor"]) == (40, 40 * 39)
+    assert found["low"] < found["auc"] < found["high"]
+    assert found["psnr_y_db"] == 31.5
 
 
 def test_row_says_how_sure_it_is_when_people_were_sampled() -> None:
     found = row(scored(0.3))
-    assert found.subject_std is not None
-    assert found.subject_std == pytest.approx(found.std, rel=0.3)
-    assert found.subject_low is not None
-    assert found.subject_low < found.auc
+    assert found["subject_std"] is not None
+    assert found["subject_std"] == pytest.approx(found["std"], rel=0.3)
+    assert found["subject_low"] is not None
+    assert found["subject_low"] < found["auc"]
 
 
 def test_row_names_its_condition() -> None:
     found = row(scored(0.3))
-    assert (found.option, found.ipd_px, found.pose) == (4, 8.0, "down")
-    assert (found.lighting, found.compression, found.landmarks) == ("frontal", "heavy", "shared")
+    assert (found["option"], found["ipd_px"], found["pose"]) == (4, 8.0, "down")
+    assert (found["lighting"], found["compression"], found["landmarks"]) == (
+        "frontal",
+        "heavy",
+        "shared",
+    )
 
 
 def test_row_goes_to_json_without_nan() -> None:
-    assert json.loads(json.dumps(asdict(row(scored(9.0))), allow_nan=False))["auc"] == 1.0
+    assert json.loads(json.dumps(row(scored(9.0)), allow_nan=False))["auc"] == 1.0
 
 
 def test_perfect_separation_ranks_everyone_first() -> None:
     found = row(scored(9.0))
-    assert found.rank_1 == 1.0
-    assert [point.fnmr for point in found.fnmr] == [0.0, 0.0, 0.0]
+    assert found["rank_1"] == 1.0
+    assert [point["fnmr"] for point in found["fnmr"]] == [0.0, 0.0, 0.0]
 
 
 def test_probes_without_a_face_are_counted_not_compared() -> None:
     matrix = scored(0.3).matrix.copy()
     matrix[:10] = np.nan
     found = row(Scores(matrix, PEOPLE, PEOPLE))
-    assert (found.fta, found.n_genuine) == (0.25, 30)
+    assert (found["fta"], found["n_genuine"]) == (0.25, 30)
 
 
 def test_each_method_meets_base_and_each_network_its_bicubic() -> None:
     scores = {name: scored(0.3, seed) for seed, name in enumerate(METHODS)}
-    assert [(c.method, c.against) for c in tests(scores)] == [
+    assert [(c["method"], c["against"]) for c in compared(scores)] == [
         ("bicubic2", "base"),
         ("bicubic4", "base"),
         ("srcnn2", "base"),
@@ -103,17 +106,38 @@ def test_each_method_meets_base_and_each_network_its_bicubic() -> None:
 
 
 def test_a_positive_difference_favours_the_method() -> None:
-    (comparison,) = tests({"base": scored(0.1), "srcnn4": scored(0.9)})
-    assert comparison.difference > 0.1
-    assert comparison.p < 0.01
+    (comparison,) = compared({"base": scored(0.1), "srcnn4": scored(0.9)})
+    assert comparison["difference"] > 0.1
+    assert comparison["p"] < 0.01
 
 
 def test_a_method_equal_to_base_has_p_one() -> None:
-    (comparison,) = tests({"base": scored(0.3), "srcnn4": scored(0.3)})
-    assert (comparison.difference, comparison.p, comparison.z) == (0.0, 1.0, 0.0)
+    (comparison,) = compared({"base": scored(0.3), "srcnn4": scored(0.3)})
+    assert (comparison["difference"], comparison["p"], comparison["z"]) == (0.0, 1.0, 0.0)
 
 
 def test_psnr_is_the_mean_over_images_and_undefined_for_equal_ones() -> None:
-    assert mean_psnr_db([30.0, 32.0]) == 31.0
-    assert mean_psnr_db([30.0, float("inf")]) is None
-    assert mean_psnr_db([]) is None
+    assert row(scored(0.3), (30.0, 32.0))["psnr_y_db"] == 31.0
+    assert row(scored(0.3), (30.0, float("inf")))["psnr_y_db"] is None
+    assert row(scored(0.3), ())["psnr_y_db"] is None
+
+
+def test_rows_and_comparisons_have_the_fields_of_the_results_file() -> None:
+    assert list(row(scored(0.3))) == [
+        "experiment", "option", "ipd_px", "pose", "lighting", "compression", "method", "label",
+        "landmarks", "auc", "std", "low", "high", "n_genuine", "n_impostor", "level", "logit_low",
+        "logit_high", "subject_std", "subject_low", "subject_high", "psnr_y_db", "fta", "eer",
+        "d_prime", "rank_1", "fnmr",
+    ]  # fmt: skip
+    (comparison,) = compared({"base": scored(0.1), "srcnn4": scored(0.9)})
+    assert list(comparison) == [
+        "option", "ipd_px", "method", "against", "difference", "low", "high", "subject_low",
+        "subject_high", "z", "p", "log10_p",
+    ]  # fmt: skip
+
+
+def test_an_infinite_z_is_none() -> None:
+    """Two methods that rank without fail, one of them upside down: the variance is 0."""
+    (comparison,) = compared({"base": scored(-9.0), "srcnn4": scored(9.0)})
+    assert (comparison["difference"], comparison["p"]) == (1.0, 0.0)
+    assert comparison["z"] is comparison["log10_p"] is None

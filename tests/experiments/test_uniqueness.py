@@ -5,31 +5,28 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from fakes.dlib_parts import install_dlib, remove_dlib
-from fakes.twins import TwinMaker, gate
+from fakes.twins import TwinMaker
 from hydra import compose, initialize_config_dir
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
-from lrsr.evaluation.distinctness import Drawn
 from lrsr.experiments.uniqueness import (
     NEAREST,
     Findings,
     Gallery,
     UniquenessSettings,
     find_distinct,
-    gate_tally,
     make_roster,
     summary,
-    uniqueness_settings,
 )
-from lrsr.identities.gate.gate import tally
-from lrsr.identities.morphable import RECIPE_VERSION, sample_parameters
+from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
-from lrsr.identities.splits import identity_seed
 from lrsr.paths import config_folder
 from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.render import take_pictures
 from lrsr.pictures.sitting import Sitting, read_gallery
 from lrsr.presets import preset
 from lrsr.recognition import Engine
@@ -69,7 +66,7 @@ def find(
 
 def configured(*overrides: str) -> UniquenessSettings:
     with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        return uniqueness_settings(compose("identities", list(overrides)))
+        return UniquenessSettings.from_config(compose("identities", list(overrides)))
 
 
 def test_people_who_differ_stay_as_they_were_drawn(tmp_path: Path, tone_model: Path) -> None:
@@ -120,13 +117,16 @@ def test_nobody_is_rendered_twice(tmp_path: Path, tone_model: Path) -> None:
     maker = TwinMaker(TWINS)
     made = gallery(tmp_path, tone_model, maker)
     find_distinct(SETTINGS, made)
-    made.photograph([(5, 0), (5, 1)])
+    made.source([(5, 0), (5, 1)]).load(0, 2)
     assert len(maker.rendered) == len(set(maker.rendered)) == 9
 
 
 def test_enrolled_pictures_are_not_compressed(tmp_path: Path, tone_model: Path) -> None:
-    (probe,) = gallery(tmp_path, tone_model, TwinMaker()).photograph([(0, 0)])
-    assert (probe.kind, probe.compression, probe.ipd_px) == ("gallery", "none", 16.0)
+    source = gallery(tmp_path, tone_model, TwinMaker()).source([(0, 0)])
+    assert (source.camera.compression, source.recipes[0].film) == ("none", Film(16.0))
+    cache, clean = RenderCache(tmp_path / "cache"), Camera("none")
+    (plain,) = take_pictures(source.recipes, cache, clean, maker=TwinMaker())
+    assert torch.equal(source.load(0, 1)[0].image, plain.image)
 
 
 def test_rows_come_in_the_order_that_was_asked_for(tmp_path: Path, tone_model: Path) -> None:
@@ -220,39 +220,6 @@ def test_no_smallest_angle_describes_everybody_as_drawn(tmp_path: Path, tone_mod
     assert (first, second) == (2, 5)
 
 
-def test_what_the_gate_did_is_read_with_the_pictures(
-    tmp_path: Path, tone_model: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made = gallery(tmp_path, tone_model, TwinMaker(TWINS))
-    findings = find_distinct(SETTINGS, made)
-    asked: list[list[Drawn]] = []
-    monkeypatch.setattr(made, "judge", lambda drawn: asked.append(drawn) or [])
-    assert gate_tally(made, findings.drawn) == tally(gate(index) for index in range(8))
-    assert asked == [[]]
-
-
-def test_people_whose_gate_was_not_recorded_are_drawn_anew(
-    tmp_path: Path, tone_model: Path
-) -> None:
-    people = IdentityRange(count=3, sex="female")
-    made = gallery(tmp_path, tone_model, TwinMaker(), replace(SETTINGS, gallery=enrolled(people)))
-    women = [
-        sample_parameters(identity_seed("test", *one), population=Population("female"))["gate"]
-        for one in [(0, 0), (1, 2)]
-    ]
-    assert gate_tally(made, [(0, 0), (1, 2)]) == tally(women)
-    assert made.judge([]) == []
-
-
-def test_drawing_people_anew_shows_a_bar(
-    tmp_path: Path, tone_model: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    cache, camera = RenderCache(tmp_path / "cache"), Camera("heavy")
-    made = Gallery(SETTINGS, cache, Engine(tone_model), camera, TwinMaker(), progress=True)
-    made.judge([(0, 0), (1, 0)])
-    assert "judging: 100%" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("installed", "encoder", "angle"), [(True, "dlib", 11.2), (False, "shipped", 20.0)]
 )
@@ -279,7 +246,7 @@ def test_a_given_angle_stays() -> None:
         (["encoder=facenet"], "encoder=facenet: wanted one of auto"),
         (["smallest_angle_deg=90"], "smallest_angle_deg=90.0: wanted 0 to 90"),
         (["smallest_angle_deg=-1"], "smallest_angle_deg=-1.0: wanted 0 to 90"),
-        (["smallest_angle_deg=nan"], "smallest_angle_deg=nan: wanted 0 to 90"),
+        (["smallest_angle_deg=nan"], "smallest_angle_deg=nan: wanted a number"),
         (["smallest_angle_deg=wide"], "smallest_angle_deg=wide: wanted a number"),
         (["most_redraws=-1"], "most_redraws=-1: wanted at least 0"),
         (["most_redraws=1.5"], "most_redraws=1.5: wanted a whole number"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,20 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from lrsr.evaluation.roc import RocCurve, band
-from lrsr.pages import COLOURS, DPI, STYLE, data_uri, png_bytes
-
-DASHES = ("-", (0, (1, 1)), "-", (0, (4, 1)), (0, (4, 1, 1, 1)), "-", (0, (2, 1)), (0, (6, 2)))
-"""A second way to tell lines apart, for grey print."""
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A line of the interval plot: a label, a value and the ends of its interval."""
-
-    label: str
-    value: float
-    low: float
-    high: float
+from lrsr.pages import COLOURS, DASHES, DPI, STYLE, data_uri, png_bytes
 
 
 def draw_roc(curves: Mapping[str, RocCurve], level: float = 0.95) -> str:
@@ -56,32 +42,33 @@ def draw_roc(curves: Mapping[str, RocCurve], level: float = 0.95) -> str:
         least = 1 / max(curve.n_impostor for curve in curves.values())
         logarithmic.set(xscale="log", xlim=(least, 1), title="Few false matches (logarithmic FMR)")
         plain.legend(title="Method, AUC", loc="lower right", handlelength=3)
-        return _encode(figure)
+        return data_uri(png_bytes(figure))
 
 
-def draw_intervals(intervals: Sequence[Interval], quantity: str) -> str:
+def draw_intervals(labels: Sequence[str], areas: Sequence[Mapping[str, Any]], quantity: str) -> str:
     """Draw values with their intervals, one under the other, the first on top.
 
     Args:
-        intervals: At least one.
+        labels: At least one.
+        areas: Value, low and high of each.
         quantity: What the axis says.
 
     Returns:
         A PNG as a data URI.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 0.55 + 0.24 * len(intervals)), dpi=DPI, layout="constrained")
+        figure = Figure(figsize=(7.2, 0.55 + 0.24 * len(areas)), dpi=DPI, layout="constrained")
         axes = figure.subplots()
-        places = np.arange(len(intervals))[::-1]
-        for place, interval in zip(places, intervals, strict=True):
-            axes.plot([interval.low, interval.high], [place, place], color="#0072B2", linewidth=2.2)
-            axes.plot(interval.value, place, "o", color="black", markersize=4)
-        axes.set_yticks(places, [interval.label for interval in intervals])
-        axes.set(xlabel=quantity, ylim=(-0.6, len(intervals) - 0.4))
+        places = np.arange(len(areas))[::-1]
+        for place, area in zip(places, areas, strict=True):
+            axes.plot([area["low"], area["high"]], [place, place], color="#0072B2", linewidth=2.2)
+            axes.plot(area["value"], place, "o", color="black", markersize=4)
+        axes.set_yticks(places, labels)
+        axes.set(xlabel=quantity, ylim=(-0.6, len(areas) - 0.4))
         axes.tick_params(axis="y", length=0)
         axes.grid(visible=True, axis="x")
         axes.spines["left"].set_visible(False)
-        return _encode(figure)
+        return data_uri(png_bytes(figure))
 
 
 def draw_angles(angles_deg: ArrayLike, smallest_angle_deg: float, encoder: str) -> bytes:
@@ -128,7 +115,3 @@ def _draw_curve(axes: Axes, curve: RocCurve, label: str, number: int, level: flo
     axes.fill_between(fmr, low, high, color=colour, alpha=0.10, linewidth=0, zorder=2)
     line: dict[str, Any] = {"color": colour, "linestyle": dashes, "zorder": 3 + number}
     axes.plot(curve.fmr, curve.tmr, label=label, **line)
-
-
-def _encode(figure: Figure) -> str:
-    return data_uri(png_bytes(figure))

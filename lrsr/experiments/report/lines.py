@@ -10,41 +10,32 @@ from lrsr.evaluation.multiplicity import holm_adjusted
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
-Entries = Sequence[Mapping[str, Any]]
+Records = Sequence[Mapping[str, Any]]
 """Rows or comparisons, as in ``results.json``."""
 
 
-def report_lines(rows: Entries, comparisons: Entries) -> list[dict[str, Any]]:
+def report_lines(rows: Records, comparisons: Records) -> list[dict[str, Any]]:
     """Return each row as the words that the template prints.
 
     Args:
-        rows: Lines of the table, as of :class:`lrsr.experiments.report.page.Report`.
+        rows: Lines of the table, as of :func:`lrsr.experiments.table.evaluate`.
         comparisons: Its paired tests; each is found again in the line of its method. Those that
             remain significant at 5 % after Holm's correction for all of them are marked.
     """
     adjusted = holm_adjusted([comparison["p"] for comparison in comparisons])
     labels = method_labels(rows)
-    tests: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
-    for comparison, p_holm in zip(comparisons, adjusted, strict=True):
-        place = (comparison["option"], comparison.get("ipd_px"), comparison["method"])
-        tests.setdefault(place, []).append(
-            {
-                "against": comparison["against"],
-                "against_label": labels[comparison["against"]],
-                "difference": _signed(comparison["difference"]),
-                "p": format_p(comparison["p"], comparison.get("log10_p")),
-                "remains": p_holm < 0.05,
-            }
-        )
-    return [
-        _line(
-            row, tests.get((row["option"], row.get("ipd_px"), row.get("method", row["label"])), [])
-        )
-        for row in rows
-    ]
+    tests: dict[object, dict[str, Any]] = {}
+    for test, p_holm in zip(comparisons, adjusted, strict=True):
+        tests.setdefault(_place(test), {})[test["against"]] = {
+            "against_label": labels[test["against"]],
+            "difference": f"{test['difference']:+.3f}".replace("-", "−"),
+            "p": format_p(test["p"], test["log10_p"]),
+            "remains": p_holm < 0.05,
+        }
+    return [_line(row, tests.get(_place(row), {})) for row in rows]
 
 
-def best_methods(lines: Entries) -> Iterator[str]:
+def best_methods(lines: Records) -> Iterator[str]:
     """Yield a sentence for each condition of :func:`report_lines`: who is best, by how much."""
     for condition in dict.fromkeys(line["condition"] for line in lines):
         here = [line for line in lines if line["condition"] == condition]
@@ -59,9 +50,9 @@ def best_methods(lines: Entries) -> Iterator[str]:
             yield f"{condition}: {_praise(best[0])}."
 
 
-def method_labels(rows: Entries) -> dict[str, str]:
+def method_labels(rows: Records) -> dict[str, str]:
     """Return the label of each method, in the order of the rows."""
-    return {row.get("method", row["label"]): row["label"] for row in rows}
+    return {row["method"]: row["label"] for row in rows}
 
 
 def format_p(p: float, log10_p: float | None = None) -> str:
@@ -90,44 +81,46 @@ def format_p(p: float, log10_p: float | None = None) -> str:
     return f"{mantissa}\u00a0×\u00a010{str(exponent).translate(_RAISED)}"
 
 
-def _line(row: Mapping[str, Any], tests: list[dict[str, Any]]) -> dict[str, Any]:
+def _place(record: Mapping[str, Any]) -> tuple[object, ...]:
+    return record["option"], record["ipd_px"], record["method"]
+
+
+def _line(row: Mapping[str, Any], tests: Mapping[str, Any]) -> dict[str, Any]:
     low, high = row["low"], row["high"]
     degenerate = row["std"] == 0
-    cut = not degenerate and (low <= 0 or high >= 1) and row.get("logit_low") is not None
+    cut = not degenerate and (low <= 0 or high >= 1) and row["logit_low"] is not None
     if cut:
         low, high = row["logit_low"], row["logit_high"]
+    size = "" if row["ipd_px"] is None else f", IPD {row['ipd_px']:g} px"
     return {
-        "option": row["option"],
-        "condition": _condition(row),
+        "condition": f"Option {row['option']}{size}",
         "label": row["label"],
         "value": row["auc"],
         "auc": f"{row['auc']:.3f}",
         "low": low,
         "high": high,
-        "interval": "no interval" if degenerate else f"{low:.3f} – {high:.3f}",
+        "interval": "no interval" if degenerate else _span(low, high),
         "cut": cut,
         "degenerate": degenerate,
         "std": f"{row['std']:.4f}",
-        "subject": "–" if degenerate else _interval(row, "subject_low", "subject_high"),
-        "psnr": _optional(row.get("psnr_y_db"), ".2f"),
-        "fta": _optional(row.get("fta"), ".1%"),
+        "subject": "–" if degenerate else _span(row["subject_low"], row["subject_high"]),
+        "psnr": "–" if row["psnr_y_db"] is None else f"{row['psnr_y_db']:.2f}",
+        "fta": f"{row['fta']:.1%}",
         "n_genuine": f"{row['n_genuine']:,}",
         "n_impostor": f"{row['n_impostor']:,}",
-        "eer": _optional(row.get("eer"), ".3f"),
-        "d_prime": _optional(row.get("d_prime"), ".2f"),
-        "rank_1": _optional(row.get("rank_1"), ".1%"),
-        "fnmr": [_point(point) for point in row.get("fnmr") or ()],
-        "tests": {test["against"]: test for test in tests},
-    }
-
-
-def _point(point: Any) -> dict[str, Any]:
-    fields = point if isinstance(point, Mapping) else vars(point)
-    return {
-        "fnmr": f"{fields['fnmr']:.3f}",
-        "interval": f"{fields['fnmr_low']:.3f} – {fields['fnmr_high']:.3f}",
-        "fmr": f"{fields['fmr']:.2g}",
-        "few": bool(fields["few_false_matches"]),
+        "eer": f"{row['eer']:.3f}",
+        "d_prime": f"{row['d_prime']:.2f}",
+        "rank_1": f"{row['rank_1']:.1%}",
+        "fnmr": [
+            {
+                "fnmr": f"{point['fnmr']:.3f}",
+                "interval": _span(point["fnmr_low"], point["fnmr_high"]),
+                "fmr": f"{point['fmr']:.2g}",
+                "few": point["few_false_matches"],
+            }
+            for point in row["fnmr"]
+        ],
+        "tests": tests,
     }
 
 
@@ -147,21 +140,5 @@ def _measured(line: Mapping[str, Any], between: str = ", ") -> str:
     return f"{line['label']}{between}{line['auc']}{interval}"
 
 
-def _condition(row: Mapping[str, Any]) -> str:
-    words = [f"Option {row['option']}"]
-    if row.get("ipd_px") is not None:
-        words.append(f"IPD {row['ipd_px']:g} px")
-    return ", ".join(words)
-
-
-def _interval(row: Mapping[str, Any], low: str, high: str) -> str:
-    ends = row.get(low), row.get(high)
-    return "–" if None in ends else f"{ends[0]:.3f} – {ends[1]:.3f}"
-
-
-def _optional(value: float | None, form: str) -> str:
-    return "–" if value is None else format(value, form)
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.3f}".replace("-", "−")
+def _span(low: float | None, high: float | None) -> str:
+    return "–" if low is None or high is None else f"{low:.3f} – {high:.3f}"

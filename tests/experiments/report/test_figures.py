@@ -9,13 +9,8 @@ import pytest
 from matplotlib.image import imread
 
 from lrsr.evaluation.roc import trace_roc
-from lrsr.experiments.report.figures import (
-    DASHES,
-    Interval,
-    draw_intervals,
-    draw_roc,
-)
-from lrsr.pages import COLOURS
+from lrsr.experiments.report.figures import draw_intervals, draw_roc
+from lrsr.pages import COLOURS, DASHES
 
 
 def decode(uri: str) -> np.ndarray:
@@ -46,8 +41,8 @@ def test_a_curve_of_complete_separation_can_be_drawn() -> None:
 
 def test_an_interval_plot_grows_with_its_lines() -> None:
     def height(count: int) -> int:
-        line = Interval("x", 0.5, 0.4, 0.6)
-        return decode(draw_intervals([line] * count, "AUC")).shape[0]
+        area = {"value": 0.5, "low": 0.4, "high": 0.6}
+        return decode(draw_intervals(["x"] * count, [area] * count, "AUC")).shape[0]
 
     assert height(1) < height(6) < height(36)
 
