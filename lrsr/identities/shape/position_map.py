@@ -34,8 +34,8 @@ def twice_area(
         >>> float(twice_area(np.array([0.0, 0.0]), np.array([2.0, 0.0]), np.array([0.0, 3.0])))
         6.0
     """
-    across, up = q - p, r - p
-    return np.asarray(across[..., 0] * up[..., 1] - across[..., 1] * up[..., 0])
+    (px, py), (qx, qy), (rx, ry) = ((at[..., 0], at[..., 1]) for at in (p, q, r))
+    return np.asarray((qx - px) * (ry - py) - (qy - py) * (rx - px))
 
 
 def draw_triangles(
