@@ -39,21 +39,3 @@ def identity_seed(split: Split, index: int, draw: int = 0) -> int:
     if draw < 0:
         raise ValueError(f"draw must be >= 0, got {draw}")
     return len(SPLITS) * index + SPLITS.index(split) + _DRAW * draw
-
-
-def split_of(seed: int) -> Split:
-    """Return the split that a seed belongs to.
-
-    Args:
-        seed: >= 0.
-
-    Raises:
-        ValueError: The seed is negative.
-
-    Example:
-        >>> split_of(22)
-        'validation'
-    """
-    if seed < 0:
-        raise ValueError(f"seed must be >= 0, got {seed}")
-    return SPLITS[seed % len(SPLITS)]

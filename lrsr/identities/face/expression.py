@@ -59,7 +59,7 @@ class Expression:
     strength: InitVar[float] = 1.0
 
     def __post_init__(self, strength: float) -> None:
-        known = known_units()
+        known = known_units() if self.units else {}  # it reads the shape space
         share = _strength("strength", strength)
         strengths: dict[str, float] = {}
         for unit, given in self.units.items():
