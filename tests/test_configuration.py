@@ -101,13 +101,13 @@ def test_what_every_command_is_given_has_one_range(key: str) -> None:
     for value in (low, high, [low, high]):
         check_limits(config(**({outer: {inner: value}} if outer else {inner: value})))
     for value in (low - 1, high + 1, [low, high + 1], -(10**400), 10**400, "x", True, [], "1"):
-        with pytest.raises(InputError, match=f"{key}=.*: wanted a"):
+        with pytest.raises(InputError, match=rf"{key}=.*: wanted a"):
             check_limits(config(**({outer: {inner: value}} if outer else {inner: value})))
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
 def test_numbers_are_finite(value: float) -> None:
-    with pytest.raises(InputError, match="ipd_px=.*: wanted a finite number"):
+    with pytest.raises(InputError, match=r"ipd_px=.*: wanted a finite number"):
         check_limits(config(ipd_px=value))
 
 
