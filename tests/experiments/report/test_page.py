@@ -266,7 +266,7 @@ def test_p_values_have_two_digits(p: float, log10_p: float | None, words: str) -
 
 def test_a_sheet_with_uneven_columns_is_refused(tmp_path: Path) -> None:
     uneven = {"a": torch.zeros(1, 3, 2, 2), "b": torch.zeros(2, 3, 2, 2)}
-    with pytest.raises(ValueError, match="shorter|longer"):
+    with pytest.raises(ValueError, match=r"shorter|longer"):
         write(tmp_path, make_results(), Panel("P", {}, uneven, ["one", "two"]))
     assert list(tmp_path.iterdir()) == []
 
