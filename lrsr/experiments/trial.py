@@ -80,8 +80,8 @@ class Trial:
         """Render whatever the cache lacks; return how many pictures that were."""
         sources = [self.gallery()]
         for condition in self.design.conditions:
-            references = (self.references(condition, scale) for scale in self._scales)
-            sources += [self.probes(condition), *filter(None, references)]
+            references = [self.references(condition, scale) for scale in self._scales]
+            sources += [self.probes(condition), *(one for one in references if one is not None)]
         return render_sources(sources)
 
     def gallery(self) -> Source:
