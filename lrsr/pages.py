@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.image import imsave
 from numpy.typing import ArrayLike
+from torchvision.io import encode_png
 
 from lrsr.errors import ImageContractError
 from lrsr.files import write_text
@@ -81,10 +82,8 @@ def encode_face(srgb: ArrayLike) -> str:
         raise ImageContractError(f"got shape {image.shape}, wanted (3, H, W)")
     if np.isnan(image).any():
         raise ImageContractError("the image holds a NaN; wanted srgb in [0, 1]")
-    levels = np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8)
-    buffer = io.BytesIO()
-    imsave(buffer, np.ascontiguousarray(levels.transpose(1, 2, 0)), format="png")
-    return data_uri(buffer.getvalue())
+    levels = torch.from_numpy(np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8))
+    return data_uri(encode_png(levels).numpy().tobytes())
 
 
 def png_bytes(figure: Figure) -> bytes:

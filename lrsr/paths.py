@@ -33,6 +33,15 @@ def asset(name: str) -> Path:
     return path
 
 
+def path_if_any(text: object) -> Path | None:
+    """Return the absolute path that a user wrote; None where null was written.
+
+    Raises:
+        InputError: See :func:`user_path`.
+    """
+    return None if text is None else user_path(text)
+
+
 def user_path(text: object) -> Path:
     """Return the absolute path that a user wrote, ``~`` and ``~name`` expanded.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lrsr.configuration import flag, number, run_folder, seed_of, whole_number, whole_numbers
 from lrsr.errors import InputError
-from lrsr.paths import cache_folder, user_path
+from lrsr.paths import cache_folder, path_if_any, user_path
 from lrsr.presets import build
 from lrsr.provenance import write_provenance
 
@@ -69,7 +69,7 @@ def run_render(config: "DictConfig") -> Path:
     from lrsr.pictures.to_folder import RenderSettings, render_to_folder
     from lrsr.rendering.scene import Film
 
-    out = _path(config.out)
+    out = path_if_any(config.out)
     if out is None:
         raise InputError("out=null: give the folder for the pictures, e.g. out=probes")
     settings = RenderSettings(
@@ -159,8 +159,4 @@ def run_train(config: "DictConfig") -> Path:
 def _cache(config: "DictConfig") -> "RenderCache":
     from lrsr.pictures.cache import RenderCache
 
-    return RenderCache(_path(config.paths.cache) or cache_folder())
-
-
-def _path(value: object) -> Path | None:
-    return None if value is None else user_path(value)
+    return RenderCache(path_if_any(config.paths.cache) or cache_folder())

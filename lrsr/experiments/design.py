@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 from lrsr.camera import Camera
 from lrsr.camera.codec import COMPRESSIONS
@@ -17,7 +17,7 @@ from lrsr.configuration import (
     words,
 )
 from lrsr.identities.roster import IdentityRange
-from lrsr.paths import user_path
+from lrsr.paths import path_if_any
 from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality
 from lrsr.pictures.source import Photographs, read_photographs
 from lrsr.presets import build, preset, presets, value_of
@@ -121,7 +121,7 @@ class Design:
         require(0 < self.level < 1, "level", self.level, "between 0 and 1")
 
     @classmethod
-    def from_config(cls, config: "DictConfig") -> "Design":
+    def from_config(cls, config: "DictConfig") -> Self:
         """Read a composed configuration of ``lrsr eval``.
 
         Raises:
@@ -129,10 +129,9 @@ class Design:
         """
         landmarks = config.recognition.landmarks
         require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
-        conditions = _conditions(config)
-        folders = {key: _folder(config, key) for key in ("probes", "gallery")}
-        if folders["probes"] is not None:
-            conditions = (_condition_of(read_photographs(folders["probes"], "probe")),)
+        conditions, probes = _conditions(config), path_if_any(config.probes.folder)
+        if probes is not None:
+            conditions = (_condition_of(read_photographs(probes, "probe")),)
         return cls(
             name=str(config.name),
             question=str(config.question),
@@ -144,9 +143,9 @@ class Design:
             gallery=read_gallery(config),
             camera=build(config.camera, "camera"),
             level=number(config, "level"),
-            model=_path(config.recognition.model),
-            probes_folder=folders["probes"],
-            gallery_folder=folders["gallery"],
+            model=path_if_any(config.recognition.model),
+            probes_folder=probes,
+            gallery_folder=path_if_any(config.gallery.folder),
         )
 
     def describe(self) -> dict[str, Any]:
@@ -154,7 +153,10 @@ class Design:
         return {
             "name": self.name,
             "question": self.question,
-            "conditions": [_plain(condition) for condition in self.conditions],
+            "conditions": [
+                {**vars(one), "scene": None if one.scene is None else one.scene.describe()}
+                for one in self.conditions
+            ],
             "methods": {name: upscaler.describe() for name, upscaler in self.upscalers.items()},
             "identities": asdict(self.people),
             "rendering": asdict(self.quality),
@@ -183,19 +185,6 @@ def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
             scene = Scene(**{group: value_of(group, node[group]) for group in node})
             found.append(Condition(option, scene, compression, ipd_px))
     return tuple(found)
-
-
-def _plain(condition: Condition) -> dict[str, Any]:
-    scene = None if condition.scene is None else condition.scene.describe()
-    return {**vars(condition), "scene": scene}
-
-
-def _folder(config: "DictConfig", key: str) -> Path | None:
-    return _path(config[key].folder)
-
-
-def _path(value: Any) -> Path | None:
-    return None if value is None else user_path(value)
 
 
 def _condition_of(photographs: Photographs) -> Condition:

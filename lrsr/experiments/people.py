@@ -3,17 +3,15 @@
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from torch.nn.functional import avg_pool2d
 
-from lrsr.camera import Camera
 from lrsr.evaluation.distinctness import Drawn, summarise
 from lrsr.experiments.report.demographics import draw_spread, spread
 from lrsr.experiments.report.figures import draw_angles
-from lrsr.experiments.report.page import flat
 from lrsr.experiments.report.sheets import draw_portraits
 from lrsr.experiments.uniqueness import (
     Findings,
@@ -27,7 +25,6 @@ from lrsr.files import write_bytes, write_json
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.roster import write_roster
 from lrsr.pages import data_uri, encode_face, write_page
-from lrsr.paths import user_path
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import write_manifest
 from lrsr.pictures.image_files import write_png
@@ -35,12 +32,8 @@ from lrsr.pictures.maker import Maker, mitsuba_maker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.source import chunks
 from lrsr.pictures.to_folder import Shoot
-from lrsr.presets import build
 from lrsr.provenance import versions
 from lrsr.recognition.encoders import load_encoder
-
-if TYPE_CHECKING:
-    from omegaconf import DictConfig
 
 SHEET = 60
 """People on the contact sheet at most: the first ones, not chosen."""
@@ -65,33 +58,8 @@ _NOT_DONE = (
 logger = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Uniqueness:
-    """Redraws look-alikes, and shows who is left.
-
-    Attributes:
-        settings: What is asked.
-        camera: Takes every picture.
-        model: ONNX embedder in place of the shipped one, with its contract beside it.
-    """
-
-    settings: UniquenessSettings
-    camera: Camera
-    model: Path | None = None
-
-    @classmethod
-    def from_config(cls, config: "DictConfig") -> "Uniqueness":
-        """Read a composed configuration of ``lrsr identities``.
-
-        Raises:
-            InputError: A value is wrong; the message names the setting and the remedy.
-        """
-        model = config.recognition.model
-        return cls(
-            UniquenessSettings.from_config(config),
-            build(config.camera, "camera"),
-            None if model is None else user_path(model),
-        )
+class Uniqueness(UniquenessSettings):
+    """Redraws look-alikes, and shows who is left."""
 
     def run(
         self,
@@ -114,24 +82,25 @@ class Uniqueness:
         Raises:
             InputError: A file or a folder is wrong, or an encoder is missing.
         """
-        settings, maker = self.settings, maker or mitsuba_maker()
-        encoder = load_encoder(settings.encoder, self.model)
-        gallery = Gallery(settings, cache, encoder, self.camera, maker, progress=progress)
-        findings = find_distinct(settings, gallery)
-        roster = make_roster(settings, findings, maker.versions["identities"])
+        maker = maker or mitsuba_maker()
+        encoder = load_encoder(self.encoder, self.model)
+        gallery = Gallery(self, cache, encoder, maker, progress=progress)
+        findings = find_distinct(self, gallery)
+        roster = make_roster(self, findings, maker.versions["identities"])
         write_roster(folder / "roster.json", roster)
-        portraits = _write_pictures(folder, gallery, findings, maker.versions)
+        portraits = _write_pictures(folder, gallery, findings)
         results = {
             **summary(findings),
+            "encoder": dict(encoder.describe()),
             "gate": tally(person.gate for person in findings.people if person.gate),
             "distribution": spread(findings.people),
-            "config": settings.describe(),
+            "config": self.describe(),
             "versions": versions(),
         }
         write_json(folder / "results.json", results)
         write_json(folder / "distribution.json", results["distribution"])
-        figures = _write_figures(folder, settings, findings, portraits)
-        said = [*answer(settings, findings), gate_sentence(results["gate"])]
+        figures = _write_figures(folder, self, findings, portraits)
+        said = [*answer(self, findings), gate_sentence(results["gate"])]
         _write_page(folder, results, findings, portraits, figures, said)
         for sentence in said:
             logger.info("%s", sentence)
@@ -175,20 +144,19 @@ def gate_sentence(gate: Mapping[str, Any]) -> str:
     return f"{said}; {left} could not be made plausible." if left else f"{said}."
 
 
-def _write_pictures(
-    folder: Path, gallery: Gallery, findings: Findings, made_by: Mapping[str, str]
-) -> dict[Drawn, Picture]:
+def _write_pictures(folder: Path, gallery: Gallery, findings: Findings) -> dict[Drawn, Picture]:
     """Write everyone's picture and the manifest; return the pictures that are shown."""
     drawn, rows = findings.drawn, []
     shown = {
         *drawn[:SHEET],
         *(drawn[k] for pair in findings.pairs for k in (pair.first, pair.second)),
     }
-    shoot, source = Shoot(gallery.settings.gallery, gallery.camera), gallery.source(drawn)
+    source = gallery.source(drawn)
+    shoot = Shoot(gallery.settings.gallery, source.camera)
     portraits: dict[Drawn, Picture] = {}
     for place, pictures in chunks(source):
         for one, picture in zip(drawn[place], pictures, strict=True):
-            row = shoot.entry(picture, gallery.recipe(one), made_by)
+            row = shoot.entry(picture, gallery.recipe(one), gallery.maker.versions)
             row = replace(row, file=f"{_PICTURES}/{row.file}")
             write_png(folder / row.file, picture.image)
             rows.append(row)
@@ -269,7 +237,7 @@ def _write_page(
         ],
         done=_DONE,
         not_done=_NOT_DONE,
-        settings=list(flat({**results["config"], "recognition": results["encoder"]})),
+        settings={**results["config"], "recognition": results["encoder"]},
         versions=results["versions"],
         seed=results["config"]["seed"],
     )

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import groupby
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from lrsr.camera import Camera
 from lrsr.evaluation.quality import psnr_y
 from lrsr.evaluation.scores import CosineScores
 from lrsr.experiments.design import Condition, Design
@@ -17,6 +18,7 @@ from lrsr.images import scale_points
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.picture import Picture, stack
+from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting
 from lrsr.pictures.source import (
     Rendered,
@@ -30,7 +32,7 @@ from lrsr.recognition import Engine
 from lrsr.rendering.scene import Film
 from lrsr.sr.upscaler import Bicubic, Upscaler
 
-SHOWN = 6
+_SHOWN = 6
 """People on the contact sheet."""
 
 Floats = NDArray[np.floating[Any]]
@@ -52,10 +54,11 @@ class Outcome:
     panel: Panel
 
 
+@dataclass(frozen=True)
 class Trial:
     """A verification experiment under way.
 
-    Args:
+    Attributes:
         design: What is asked.
         cache: Where renderings are kept.
         engine: What recognises.
@@ -63,27 +66,22 @@ class Trial:
         progress: Show bars while rendering.
     """
 
-    def __init__(
-        self,
-        design: Design,
-        cache: RenderCache,
-        engine: Engine,
-        maker: Maker | None = None,
-        *,
-        progress: bool = True,
-    ) -> None:
-        self.design = design
-        self.engine = engine
-        self._rendered: dict[str, Any] = {"cache": cache, "maker": maker, "progress": progress}
-        scales = {upscaler.scale for upscaler in design.upscalers.values()}
-        self._scales = sorted(scales - {1})
+    design: Design
+    cache: RenderCache
+    engine: Engine
+    maker: Maker | None = None
+    progress: bool = True
+
+    @property
+    def _scales(self) -> list[int]:
+        return sorted({upscaler.scale for upscaler in self.design.upscalers.values()} - {1})
 
     def render(self) -> int:
         """Render whatever the cache lacks; return how many pictures that were."""
         sources = [self.gallery()]
         for condition in self.design.conditions:
-            references = (self.references(condition, scale) for scale in self._scales)
-            sources += [self.probes(condition), *filter(None, references)]
+            references = [self.references(condition, scale) for scale in self._scales]
+            sources += [self.probes(condition), *(one for one in references if one is not None)]
         return render_sources(sources)
 
     def gallery(self) -> Source:
@@ -91,7 +89,7 @@ class Trial:
         asked = self.design
         if asked.gallery_folder is not None:
             return read_photographs(asked.gallery_folder, "gallery")
-        return Rendered(asked.gallery.recipes(), asked.camera.clean(), **self._rendered)
+        return self._rendered(asked.gallery.recipes(), asked.camera.clean())
 
     def probes(self, condition: Condition) -> Source:
         """Return the probes."""
@@ -99,15 +97,17 @@ class Trial:
         if asked.probes_folder is not None:
             return read_photographs(asked.probes_folder, "probe")
         camera = asked.camera.compressing(condition.compression)
-        return Rendered(self._sitting(condition).recipes(), camera, **self._rendered)
+        return self._rendered(self._sitting(condition).recipes(), camera)
 
     def references(self, condition: Condition, scale: int) -> Source | None:
         """Return the true references of the probes; None: a folder has none."""
         asked = self.design
         if asked.probes_folder is not None:
             return references_of(read_photographs(asked.probes_folder, "probe"), scale)
-        recipes = self._sitting(condition).recipes(scale)
-        return Rendered(recipes, asked.camera.clean(), **self._rendered)
+        return self._rendered(self._sitting(condition).recipes(scale), asked.camera.clean())
+
+    def _rendered(self, recipes: Sequence[Recipe], camera: Camera) -> Source:
+        return Rendered(recipes, camera, self.cache, self.maker, self.progress)
 
     def outcomes(self) -> Iterator[Outcome]:
         """Score one condition after the other; what is not rendered yet is rendered."""
@@ -117,7 +117,7 @@ class Trial:
             [self._enlarge_and_embed(some, as_it_is)[0] for _, some in chunks(gallery)],
             dtype=np.float64,
         )
-        shown = gallery.load(0, min(SHOWN, len(gallery.identity_ids)))
+        shown = gallery.load(0, _SHOWN)
         for condition in self.design.conditions:
             yield self._outcome(condition, gallery, enrolled, shown)
 
@@ -146,7 +146,7 @@ class Trial:
         rows, comparisons, curves = evaluate(self.design, condition, scores, decibels)
         pictures = self._pictures(probes, references, shown)
         named = {upscalers[method].label: curve for method, curve in curves.items()}
-        panel = Panel(condition.title, named, pictures, ids[0][:SHOWN])
+        panel = Panel(condition.title, named, pictures, ids[0][:_SHOWN])
         return Outcome(rows, comparisons, panel)
 
     def _enlarge_and_embed(
@@ -156,22 +156,20 @@ class Trial:
         true: Sequence[Picture] | None = None,
     ) -> tuple[Floats, list[float]]:
         """Return embeddings ``(n, D)`` and, against true references, the PSNR of each in dB."""
-        alike: dict[tuple[int, ...], list[int]] = {}
-        for number, picture in enumerate(pictures):
-            alike.setdefault(tuple(picture.image.shape), []).append(number)
-        rows: dict[int, Floats] = {}
-        decibels: dict[int, float] = {}
-        for members in alike.values():
+        rows: list[Floats] = []
+        decibels: list[float] = []
+        for _, run in groupby(range(len(pictures)), lambda i: pictures[i].image.shape):
+            members = list(run)
             images, landmarks = stack([pictures[i] for i in members])
             enlarged = upscaler(images)
             points = scale_points(landmarks, upscaler.scale)
-            rows |= dict(zip(members, self.engine.embed(enlarged, points.numpy()), strict=True))
+            rows.append(self.engine.embed(enlarged, points.numpy()))
             if true is not None:
                 references = stack([true[i] for i in members])[0]
-                each = psnr_y(enlarged.numpy(), references.numpy(), shave=upscaler.scale)
-                decibels |= dict(zip(members, each.tolist(), strict=True))
-        order = range(len(pictures))
-        return np.stack([rows[i] for i in order]), [decibels[i] for i in order if decibels]
+                decibels += psnr_y(
+                    enlarged.numpy(), references.numpy(), shave=upscaler.scale
+                ).tolist()
+        return np.concatenate(rows), decibels
 
     def _pictures(
         self,
@@ -180,21 +178,20 @@ class Trial:
         enrolled: Sequence[Picture],
     ) -> dict[str, torch.Tensor]:
         """Return the columns of the contact sheet; none where sizes differ."""
-        first = probes.load(0, min(SHOWN, len(probes.identity_ids)))
-        finest = references[self._scales[-1]] if self._scales else None
-        true = [] if finest is None else finest.load(0, len(first))
+        first = probes.load(0, _SHOWN)
         by_id = {picture.identity_id: picture for picture in enrolled}
         beside = [by_id[one.identity_id] for one in first if one.identity_id in by_id]
-        if len({picture.image.shape for picture in first}) > 1 or len(beside) < len(first):
-            return {}
-        if len({picture.image.shape for picture in beside}) > 1:
+        sizes = [{picture.image.shape for picture in some} for some in (first, beside)]
+        if any(len(some) > 1 for some in sizes) or len(beside) < len(first):
             return {}
         images = stack(first)[0]
         columns = {"Gallery": stack(beside)[0], "Probe": images}
         for upscaler in self.design.upscalers.values():
             if upscaler.scale > 1:
                 columns[upscaler.label] = upscaler(images)
-        return {**columns, "Reference": stack(true)[0]} if true else columns
+        finest = references[self._scales[-1]] if self._scales else None
+        true = {} if finest is None else {"Reference": stack(finest.load(0, _SHOWN))[0]}
+        return {**columns, **true}
 
     def _sitting(self, condition: Condition) -> Sitting:
         asked = self.design

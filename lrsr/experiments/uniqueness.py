@@ -5,8 +5,9 @@ left is described: who they are, the angles between them, and the nearest pairs.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +26,14 @@ from lrsr.evaluation.distinctness import (
 )
 from lrsr.identities.person import Traits
 from lrsr.identities.roster import Roster
+from lrsr.paths import path_if_any
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.picture import stack
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting, read_gallery
 from lrsr.pictures.source import Rendered, chunks, render_sources
+from lrsr.presets import build
 from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
 
 if TYPE_CHECKING:
@@ -49,12 +52,19 @@ class UniquenessSettings:
         encoder: What compares them.
         smallest_angle_deg: Nearer than that, the later of two is redrawn; 0 redraws nobody.
         most_redraws: Per person.
+        camera: Gives every picture its exposure; they are enrolled ones, without its flaws.
+        model: ONNX embedder in place of the shipped one, with its contract beside it.
+
+    Raises:
+        InputError: A number is out of its range.
     """
 
     gallery: Sitting
     encoder: Literal["dlib", "shipped"]
     smallest_angle_deg: float
     most_redraws: int
+    camera: Camera
+    model: Path | None = None
 
     def __post_init__(self) -> None:
         angle = self.smallest_angle_deg
@@ -63,11 +73,12 @@ class UniquenessSettings:
 
     def describe(self) -> dict[str, Any]:
         """Return all of it in plain values."""
-        gallery = self.gallery.describe()
-        return {**vars(self), "gallery": gallery, "seed": self.gallery.seed}
+        names = ("encoder", "smallest_angle_deg", "most_redraws")
+        told = {name: getattr(self, name) for name in names}
+        return {"gallery": self.gallery.describe(), **told, "seed": self.gallery.seed}
 
     @classmethod
-    def from_config(cls, config: "DictConfig") -> "UniquenessSettings":
+    def from_config(cls, config: "DictConfig") -> Self:
         """Read the settings of ``lrsr identities`` from its composed configuration.
 
         Raises:
@@ -76,37 +87,37 @@ class UniquenessSettings:
         encoder = resolve_encoder(str(config.encoder))
         given = config.smallest_angle_deg is not None
         least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
-        return cls(read_gallery(config), encoder, least, whole_number(config, "most_redraws"))
+        return cls(
+            gallery=read_gallery(config),
+            encoder=encoder,
+            smallest_angle_deg=least,
+            most_redraws=whole_number(config, "most_redraws"),
+            camera=build(config.camera, "camera"),
+            model=path_if_any(config.recognition.model),
+        )
 
 
+@dataclass(frozen=True)
 class Gallery:
     """Everyone's enrolled picture and embedding, made when it is first asked for.
 
-    Args:
+    Attributes:
         settings: Who, and how they are pictured.
         cache: Where renderings are kept.
         encoder: Embeds.
-        camera: Gives the pictures its exposure; they are enrolled ones, without its flaws.
         maker: Renders what the cache lacks.
         progress: Show bars on stderr.
+        people: What is recorded of everyone who was embedded, where it is known.
+        embeddings: Of everyone so far.
     """
 
-    def __init__(
-        self,
-        settings: UniquenessSettings,
-        cache: RenderCache,
-        encoder: Encoder,
-        camera: Camera,
-        maker: Maker,
-        *,
-        progress: bool = True,
-    ) -> None:
-        self.settings = settings
-        self.encoder = encoder
-        self.camera = camera.clean()
-        self.people: dict[Drawn, Traits | None] = {}
-        self.embeddings: dict[Drawn, NDArray[np.float32]] = {}
-        self._rendered = (self.camera, cache, maker, progress)
+    settings: UniquenessSettings
+    cache: RenderCache
+    encoder: Encoder
+    maker: Maker
+    progress: bool = True
+    people: dict[Drawn, Traits | None] = field(default_factory=dict)
+    embeddings: dict[Drawn, NDArray[np.float32]] = field(default_factory=dict)
 
     def recipe(self, drawn: Drawn) -> Recipe:
         """Return what somebody is rendered as; the same as the gallery of ``lrsr eval``."""
@@ -116,7 +127,8 @@ class Gallery:
 
     def source(self, drawn: Sequence[Drawn]) -> Rendered:
         """Return the pictures of people."""
-        return Rendered([self.recipe(one) for one in drawn], *self._rendered)
+        recipes, camera = [self.recipe(one) for one in drawn], self.settings.camera.clean()
+        return Rendered(recipes, camera, self.cache, self.maker, self.progress)
 
     def embed(self, drawn: Sequence[Drawn]) -> NDArray[np.float32]:
         """Render, photograph and embed people; return ``(n, D)``.
@@ -127,13 +139,14 @@ class Gallery:
         source = self.source(drawn)
         render_sources([source])
         with tqdm(
-            total=len(drawn), desc="comparing", unit="face", disable=not source.progress
+            total=len(drawn), desc="comparing", unit="face", disable=not self.progress
         ) as bar:
             for place, pictures in chunks(source):
                 images, landmarks = stack(pictures)
                 rows = self.encoder.embed(images, landmarks.numpy())
-                self.embeddings |= dict(zip(drawn[place], rows, strict=True))
-                self.people |= {o: p.traits for o, p in zip(drawn[place], pictures, strict=True)}
+                traits = [picture.traits for picture in pictures]
+                self.embeddings.update(zip(drawn[place], rows, strict=True))
+                self.people.update(zip(drawn[place], traits, strict=True))
                 bar.update(len(pictures))
         return np.stack([self.embeddings[one] for one in drawn])
 
@@ -150,7 +163,6 @@ class Findings:
         first_angles_deg: Between all pairs of the first draws.
         pairs: The nearest pairs of those left; the rows count in ``drawn``.
         outcome: Who was redrawn, and why.
-        encoder: What compared them.
     """
 
     drawn: tuple[Drawn, ...]
@@ -160,7 +172,6 @@ class Findings:
     first_angles_deg: NDArray[np.float32]
     pairs: tuple[Pair, ...]
     outcome: Distinct
-    encoder: Mapping[str, object]
 
 
 def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
@@ -178,28 +189,24 @@ def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
         most_redraws=settings.most_redraws,
     )
     drawn = tuple(zip(indices, outcome.draws, strict=True))
-    rows = np.stack([gallery.embeddings[one] for one in drawn])
-    known = [gallery.people[one] for one in drawn]
+    rows, firsts = (
+        np.stack([gallery.embeddings[one] for one in some])
+        for some in (drawn, [(index, 0) for index in indices])
+    )
     return Findings(
         drawn=drawn,
         names={one: gallery.recipe(one).person.id for one in gallery.embeddings},
-        people=tuple(person for person in known if person is not None),
+        people=tuple(filter(None, (gallery.people[one] for one in drawn))),
         angles_deg=pairwise_angles_deg(rows),
-        first_angles_deg=pairwise_angles_deg(
-            np.stack([gallery.embeddings[index, 0] for index in indices])
-        ),
+        first_angles_deg=pairwise_angles_deg(firsts),
         pairs=tuple(closest_pairs(rows, NEAREST)),
         outcome=outcome,
-        encoder=gallery.encoder.describe(),
     )
 
 
 def make_roster(settings: UniquenessSettings, findings: Findings, recipe_version: str) -> Roster:
     """Return the roster of those left; redraws of a roster that was gone on from are added."""
     people = settings.gallery.people
-    draws = {
-        index: redraw + people.cast.draw(people.split, index) for index, redraw in findings.drawn
-    }
     return Roster(
         split=people.split,  # type: ignore[arg-type]  # checked to be a split
         start=people.start,
@@ -208,7 +215,11 @@ def make_roster(settings: UniquenessSettings, findings: Findings, recipe_version
         recipe=recipe_version,
         encoder=settings.encoder,
         angle_deg=settings.smallest_angle_deg,
-        draws={index: draw for index, draw in draws.items() if draw},
+        draws={
+            index: draw
+            for index, redraw in findings.drawn
+            if (draw := redraw + people.cast.draw(people.split, index))
+        },
         unresolved=findings.outcome.unresolved,
     )
 
@@ -219,7 +230,7 @@ def summary(findings: Findings) -> dict[str, Any]:
     Returns:
         JSON-serialisable: ``people``, ``compared`` (those with a face), ``angles_deg`` (of those
         left), ``first_angles_deg`` (before anybody was redrawn), ``histogram``, ``nearest_pairs``,
-        ``rejected``, ``unresolved``, ``encoder``.
+        ``rejected``, ``unresolved``.
     """
     counts, edges = np.histogram(findings.angles_deg, bins=np.arange(0.0, 181.0, 1.0))
     pairs = len(findings.angles_deg)
@@ -247,5 +258,4 @@ def summary(findings: Findings) -> dict[str, Any]:
             for index, draw, near, angle in findings.outcome.rejected
         ],
         "unresolved": [left[index] for index in findings.outcome.unresolved],
-        "encoder": dict(findings.encoder),
     }

@@ -1,9 +1,8 @@
 """Does this way of enlarging help to tell people apart, and under which conditions?"""
 
 import logging
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tqdm import tqdm
 
@@ -17,9 +16,6 @@ from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.provenance import versions
 from lrsr.recognition import Engine
-
-if TYPE_CHECKING:
-    from omegaconf import DictConfig
 
 _RENDERED = (
     "Every probe and every gallery picture shows a synthetic person, rendered by Mitsuba as light "
@@ -43,24 +39,8 @@ _FLAWLESS = "The camera has no colour filter mosaic, lens aberration or sensor n
 logger = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Verification:
-    """Compares everybody with everybody, under each condition, after each way of enlarging.
-
-    Attributes:
-        design: What is asked.
-    """
-
-    design: Design
-
-    @classmethod
-    def from_config(cls, config: "DictConfig") -> "Verification":
-        """Read a composed configuration of ``lrsr eval``.
-
-        Raises:
-            InputError: A value is wrong; the message names the setting and the remedy.
-        """
-        return cls(Design.from_config(config))
+class Verification(Design):
+    """Compares everybody with everybody, under each condition, after each way of enlarging."""
 
     def run(
         self,
@@ -81,16 +61,16 @@ class Verification:
         Raises:
             InputError: A file or a folder is wrong; nothing has been rendered by then.
         """
-        design, engine = self.design, Engine(self.design.model)
-        trial = Trial(design, cache, engine, maker, progress=progress)
+        engine = Engine(self.model)
+        trial = Trial(self, cache, engine, maker, progress=progress)
         trial.render()
-        conditions = len(design.conditions)
+        conditions = len(self.conditions)
         bar = tqdm(trial.outcomes(), "scoring", conditions, unit="condition", disable=not progress)
         outcomes = list(bar)
         results: dict[str, Any] = {
             "rows": [row for outcome in outcomes for row in outcome.rows],
             "comparisons": [test for outcome in outcomes for test in outcome.comparisons],
-            "config": design.describe(),
+            "config": self.describe(),
             "recognition": engine.describe(),
             "versions": versions(),
         }
@@ -102,9 +82,9 @@ class Verification:
 
     def _write_report(self, folder: Path, results: dict[str, Any], outcomes: list[Outcome]) -> None:
         """Write page and contact sheets; a camera without flaws is among what was not done."""
-        asked, panels = self.design, [outcome.panel for outcome in outcomes]
-        rendered = asked.probes_folder is None and asked.gallery_folder is None
-        flawless = asked.camera.flawless and asked.probes_folder is None
+        panels = [outcome.panel for outcome in outcomes]
+        rendered = self.probes_folder is None and self.gallery_folder is None
+        flawless = self.camera.flawless and self.probes_folder is None
         done = (*(_RENDERED if rendered else ()), *_DONE)
         not_done = (*_NOT_DONE, *([_FLAWLESS] if flawless else []))
         write_report(folder, results, panels, done=done, not_done=not_done)

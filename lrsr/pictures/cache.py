@@ -10,7 +10,7 @@ import hashlib
 import json
 import logging
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -104,16 +104,8 @@ class RenderCache:
 
 
 def _pack(radiance: Radiance) -> bytes:
-    tensors = {
-        name: getattr(radiance, name).detach().cpu().to(torch.float32).contiguous()
-        for name in _TENSORS
-    }
-    plain = {
-        field.name: getattr(radiance, field.name)
-        for field in fields(radiance)
-        if field.name not in _TENSORS
-    }
-    plain["traits"] = None if radiance.traits is None else asdict(radiance.traits)
+    plain = asdict(radiance)
+    tensors = {name: plain.pop(name).cpu().to(torch.float32).contiguous() for name in _TENSORS}
     note = {"radiance": plain, "sha256": _digest(tensors, plain)}
     # One note, not two: safetensors writes several in random order, and equal means equal bytes.
     content: bytes = save(tensors, {"lrsr": canonical(note).decode()})

@@ -150,23 +150,21 @@ def read_folder(folder: Path) -> list[Entry]:
     if (folder / MANIFEST).exists():
         entries = read_manifest(folder)
     else:
-        files = sorted(f for pattern in ("*", "*/*") for f in folder.glob(pattern) if f.is_file())
+        files = sorted(file for pattern in ("*", "*/*") for file in folder.glob(pattern))
         entries = [
             Entry(
                 file=file.relative_to(folder).as_posix(),
                 identity_id=file.stem if file.parent == folder else file.parent.name,
             )
             for file in files
-            if file.suffix.lower() in SUFFIXES and _shown(file.relative_to(folder))
+            if file.suffix.lower() in SUFFIXES
+            and file.is_file()
+            and not any(part.startswith(".") for part in file.relative_to(folder).parts)
         ]
     if not entries:
         kinds = ", ".join(suffix[1:] for suffix in SUFFIXES)
         raise InputError(f"{folder} holds no pictures: put files in it ({kinds})")
     return entries
-
-
-def _shown(place: Path) -> bool:
-    return not any(part.startswith(".") for part in place.parts)
 
 
 def read_picture(folder: Path, entry: Entry) -> Picture:

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
@@ -13,17 +12,6 @@ from lrsr.pictures.maker import Maker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
-
-
-class Source(Protocol):
-    """Pictures in an order that does not change, a few in memory at a time."""
-
-    @property
-    def identity_ids(self) -> Sequence[str]:
-        """Who each picture shows."""
-
-    def load(self, start: int, stop: int) -> list[Picture]:
-        """Return the pictures ``start`` to ``stop - 1``."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +73,10 @@ class Photographs:
             InputError: One cannot be read.
         """
         return [read_picture(self.root, entry) for entry in self.entries[start:stop]]
+
+
+Source = Rendered | Photographs
+"""Pictures in an order that does not change, a few in memory at a time."""
 
 
 def read_photographs(root: Path, kind: str, scale: int = 1) -> Photographs:

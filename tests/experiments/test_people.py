@@ -18,7 +18,7 @@ from lrsr.errors import InputError
 from lrsr.evaluation.distinctness import Distinct
 from lrsr.experiments.people import Uniqueness, answer, gate_sentence
 from lrsr.experiments.report.sheets import GAP_PX, LINE_PX
-from lrsr.experiments.uniqueness import Findings, UniquenessSettings
+from lrsr.experiments.uniqueness import Findings
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.roster import IdentityRange, read_roster
@@ -35,11 +35,12 @@ def enrolled(people: IdentityRange) -> Sitting:
     return Sitting(people, FRONTAL, Film(16.0), QUALITY, "gallery", seed=3)
 
 
-SETTINGS = UniquenessSettings(
+SETTINGS = Uniqueness(
     gallery=enrolled(IdentityRange(count=7)),
     encoder="shipped",
     smallest_angle_deg=20.0,
     most_redraws=2,
+    camera=Camera(),
 )
 TWINS = {(4, 0): 1, (6, 0): 1, (6, 1): 1, (6, 2): 1}
 SIDE = 64  # px of a picture of 16 px between the pupils
@@ -52,7 +53,7 @@ def run(
     cache: Path | None = None,
     **changes: Any,
 ) -> Path:
-    return Uniqueness(replace(SETTINGS, **changes), Camera(), model).run(
+    return replace(SETTINGS, model=model, **changes).run(
         folder / "run",
         RenderCache(cache or folder / "cache"),
         maker=maker or TwinMaker(TWINS),
@@ -99,7 +100,7 @@ def findings(angles_deg: list[float], **changes: Any) -> Findings:
     count = round((1 + math.sqrt(1 + 8 * len(angles))) / 2)
     drawn = tuple((index, 0) for index in range(count))
     nobody = Distinct((0,) * count, (), ())
-    found = Findings(drawn, {}, (), angles, angles, (), nobody, {"encoder": "shipped"})
+    found = Findings(drawn, {}, (), angles, angles, (), nobody)
     return replace(found, **changes)
 
 

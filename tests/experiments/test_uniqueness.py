@@ -45,6 +45,7 @@ SETTINGS = UniquenessSettings(
     encoder="shipped",
     smallest_angle_deg=20.0,
     most_redraws=3,
+    camera=Camera("heavy"),
 )
 TWINS = {(5, 0): 2}
 TRIPLETS = {(5, 0): 2, (5, 1): 0, (6, 0): 2}
@@ -54,7 +55,7 @@ def gallery(
     folder: Path, model: Path, maker: TwinMaker, settings: UniquenessSettings = SETTINGS
 ) -> Gallery:
     cache = RenderCache(folder / "cache")
-    return Gallery(settings, cache, Engine(model), Camera("heavy"), maker, progress=False)
+    return Gallery(settings, cache, Engine(model), maker, progress=False)
 
 
 def find(

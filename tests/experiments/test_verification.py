@@ -6,7 +6,7 @@ from fakes.painted import PaintedMaker
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
-from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.design import Condition
 from lrsr.experiments.verification import Verification
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.cache import RenderCache
@@ -20,7 +20,7 @@ TURNED = Scene(preset("lighting", "below"), preset("pose", "left"))
 
 
 def run(folder: Path, model: Path) -> Path:
-    design = Design(
+    design = Verification(
         name="painted_people",
         question="Are painted people told apart?",
         conditions=(Condition(1, FRONTAL, "none", 8.0), Condition(6, TURNED, "heavy", 8.0)),
@@ -34,7 +34,7 @@ def run(folder: Path, model: Path) -> Path:
         model=model,
     )
     cache = RenderCache(folder / "cache")
-    return Verification(design).run(folder / "run", cache, maker=PaintedMaker(), progress=False)
+    return design.run(folder / "run", cache, maker=PaintedMaker(), progress=False)
 
 
 def test_results_hold_what_the_stable_surface_promises(tmp_path: Path, tone_model: Path) -> None:

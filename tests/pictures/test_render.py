@@ -27,9 +27,9 @@ from lrsr.images import linear_to_srgb
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import (
+    _photograph,
     filmed,
     load_radiances,
-    photograph,
     render_missing,
     take_pictures,
 )
@@ -276,7 +276,7 @@ def test_a_picture_taken_by_the_differentiable_camera_has_no_gradient(
     wanted = recipes(1, (1,))
     lights = load_radiances(wanted, cache, progress=False, maker=maker)
     lights[0].image.requires_grad_()
-    (probe,) = photograph(wanted, lights, Camera("heavy", codec="differentiable"))
+    (probe,) = _photograph(wanted, lights, Camera("heavy", codec="differentiable"))
     assert not probe.image.requires_grad
 
 
@@ -341,7 +341,7 @@ def test_a_film_that_is_not_fine_enough_is_refused(cache: RenderCache, maker: Fa
     wanted = recipes(1, (1,))
     lights = load_radiances(wanted, cache, progress=False, maker=maker)
     with pytest.raises(InputError, match="a film of scale 1 in camera 'noisy': wanted 2 times"):
-        photograph(wanted, lights, NOISY)
+        _photograph(wanted, lights, NOISY)
     with pytest.raises(InputError, match="scale=8: wanted one of"):
         filmed(recipes(1, (4,))[0], NOISY)
 
@@ -369,9 +369,9 @@ def test_films_of_bands_and_of_colours_are_photographed_side_by_side(
     (one,) = recipes(1, (1,))
     films = [replace(one, film=replace(one.film, bands=bands)) for bands in (0, 7, 35)]
     lights = load_radiances(films, cache, progress=False, maker=maker)
-    probes = photograph(films, lights, Camera())
+    probes = _photograph(films, lights, Camera())
     assert len({probe.image.numpy().tobytes() for probe in probes}) == 3
-    alone = photograph(films[1:2], lights[1:2], Camera())
+    alone = _photograph(films[1:2], lights[1:2], Camera())
     assert torch.equal(alone[0].image, probes[1].image)
 
 
@@ -381,4 +381,4 @@ def test_a_film_of_three_colours_is_refused_by_measured_filters(
     wanted = recipes(1, (2,))
     lights = load_radiances(wanted, cache, progress=False, maker=maker)
     with pytest.raises(InputError, match=r"need spectral bands.*LRSR_VARIANT"):
-        photograph(wanted, lights, MEASURED)
+        _photograph(wanted, lights, MEASURED)

@@ -1,6 +1,7 @@
 """Who are they? How sex, age, ancestry and skin tone are spread over a set of people."""
 
 import itertools
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,14 +15,13 @@ from lrsr.identities.person import TONES, Traits
 from lrsr.identities.population import ANCESTRIES
 from lrsr.pages import DPI, STYLE, png_bytes
 
-DECADES = (18, 30, 40, 50, 60, 70, 81)
+_DECADES = (18, 30, 40, 50, 60, 70, 81)
 """Ages are counted from one to the next, the last not included."""
 
-MAINLY = 0.5
+_MAINLY = 0.5
 """Share from which on a person counts as mainly of one ancestry; below it for all: mixed."""
 
-_SEXES = ("female", "male")
-_SEX_COLOURS = {"female": "#D55E00", "male": "#0072B2"}
+_SEXES = {"female": "#D55E00", "male": "#0072B2"}
 _SWATCHES = ("#f3d9c6", "#e6bd9f", "#cf9c77", "#ab7450", "#7c4d31", "#432a1f")
 """About what skin of each tone looks like; for the eye only."""
 
@@ -39,30 +39,27 @@ def spread(people: Sequence[Traits]) -> dict[str, Any]:
     """
     ages = [person.age_years for person in people]
     angles = [person.ita_deg for person in people]
-    mains = [_main_ancestry(person) for person in people]
-    counts, _ = np.histogram(ages, DECADES)
-    spans = [f"{low} to {high - 1}" for low, high in itertools.pairwise(DECADES)]
+    mains = Counter(_main_ancestry(person) for person in people)
+    sexes = Counter(person.sex for person in people)
+    tones = Counter(person.skin_tone for person in people)
+    counts, _ = np.histogram(ages, _DECADES)
+    spans = [f"{low} to {high - 1}" for low, high in itertools.pairwise(_DECADES)]
+    years: dict[str, Any] = {"spans": dict(zip(spans, counts.tolist(), strict=True))}
+    if people:
+        years |= {"mean": float(np.mean(ages)), "youngest": min(ages), "oldest": max(ages)}
+    races, percentiles = (ANCESTRIES, (5, 25, 50, 75, 95)) if people else ((), ())
+    shares = {race: [one.ancestry.get(race, 0.0) for one in people] for race in races}
     return {
         "people": len(people),
-        "sex": {sex: sum(person.sex == sex for person in people) for sex in _SEXES},
-        "age_years": {
-            "spans": dict(zip(spans, counts.tolist(), strict=True)),
-            **({} if not ages else {"mean": float(np.mean(ages))}),
-            **({} if not ages else {"youngest": min(ages), "oldest": max(ages)}),
-        },
+        "sex": {sex: sexes[sex] for sex in _SEXES},
+        "age_years": years,
         "ancestry": {
-            "mainly": {name: mains.count(name) for name in (*ANCESTRIES, "mixed")},
-            "mean_share": {
-                race: float(np.mean([person.ancestry.get(race, 0.0) for person in people]))
-                for race in (ANCESTRIES if people else ())
-            },
+            "mainly": {name: mains[name] for name in (*ANCESTRIES, "mixed")},
+            "mean_share": {race: float(np.mean(share)) for race, share in shares.items()},
         },
         "skin_tone": {
-            "classes": {tone: sum(p.skin_tone == tone for p in people) for tone in TONES},
-            "ita_deg": {
-                f"p{share}": float(np.percentile(angles, share))
-                for share in ((5, 25, 50, 75, 95) if angles else ())
-            },
+            "classes": {tone: tones[tone] for tone in TONES},
+            "ita_deg": {f"p{k}": float(np.percentile(angles, k)) for k in percentiles},
         },
     }
 
@@ -82,7 +79,7 @@ def draw_spread(people: Sequence[Traits]) -> bytes:
         (ages, ancestries), (tones, angles) = figure.subplots(2, 2)
         _draw_ages(ages, people)
         _draw_bars(ancestries, counts["ancestry"]["mainly"], "#0072B2")
-        ancestries.set(title=f"Main ancestry (share of {MAINLY:.0%} or more)", ylabel="People")
+        ancestries.set(title=f"Main ancestry (share of {_MAINLY:.0%} or more)", ylabel="People")
         _draw_bars(tones, counts["skin_tone"]["classes"], _SWATCHES)
         tones.set(title="Skin tone, by class of the ITA", ylabel="People")
         _draw_angles(angles, people)
@@ -93,15 +90,14 @@ def draw_spread(people: Sequence[Traits]) -> bytes:
 
 def _main_ancestry(person: Traits) -> str:
     race = max(person.ancestry, key=lambda name: person.ancestry[name])
-    return race if person.ancestry[race] >= MAINLY else "mixed"
+    return race if person.ancestry[race] >= _MAINLY else "mixed"
 
 
 def _draw_ages(axes: Axes, people: Sequence[Traits]) -> None:
     by_sex = [[person.age_years for person in people if person.sex == sex] for sex in _SEXES]
     names = [f"{sex} ({len(ages)})" for sex, ages in zip(_SEXES, by_sex, strict=True)]
-    colours = [_SEX_COLOURS[sex] for sex in _SEXES]
-    bins = np.arange(15, 86, 5)
-    axes.hist(by_sex, bins=bins.tolist(), stacked=True, color=colours, label=names, rwidth=0.9)
+    bins, colours = list(range(15, 86, 5)), list(_SEXES.values())
+    axes.hist(by_sex, bins=bins, stacked=True, color=colours, label=names, rwidth=0.9)
     axes.set(title="Age and sex", xlabel="Years", ylabel="People", xlim=(15, 85))
     axes.legend()
 

@@ -50,7 +50,7 @@ def draw_intervals(labels: Sequence[str], areas: Sequence[Mapping[str, Any]], qu
 
     Args:
         labels: At least one.
-        areas: Value, low and high of each.
+        areas: auc, low and high of each.
         quantity: What the axis says.
 
     Returns:
@@ -62,7 +62,7 @@ def draw_intervals(labels: Sequence[str], areas: Sequence[Mapping[str, Any]], qu
         places = np.arange(len(areas))[::-1]
         for place, area in zip(places, areas, strict=True):
             axes.plot([area["low"], area["high"]], [place, place], color="#0072B2", linewidth=2.2)
-            axes.plot(area["value"], place, "o", color="black", markersize=4)
+            axes.plot(area["auc"], place, "o", color="black", markersize=4)
         axes.set_yticks(places, labels)
         axes.set(xlabel=quantity, ylim=(-0.6, len(areas) - 0.4))
         axes.tick_params(axis="y", length=0)

@@ -10,12 +10,12 @@ from lrsr.evaluation.multiplicity import holm_adjusted
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
-Records = Sequence[Mapping[str, Any]]
+_Records = Sequence[Mapping[str, Any]]
 """Rows or comparisons, as in ``results.json``."""
 
 
-def report_lines(rows: Records, comparisons: Records) -> list[dict[str, Any]]:
-    """Return each row as the words that the template prints.
+def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
+    """Return each row with what the template prints besides: condition, interval, tests.
 
     Args:
         rows: Lines of the table, as of :func:`lrsr.experiments.table.evaluate`.
@@ -35,22 +35,22 @@ def report_lines(rows: Records, comparisons: Records) -> list[dict[str, Any]]:
     return [_line(row, tests.get(_place(row), {})) for row in rows]
 
 
-def best_methods(lines: Records) -> Iterator[str]:
+def best_methods(lines: _Records) -> Iterator[str]:
     """Yield a sentence for each condition of :func:`report_lines`: who is best, by how much."""
     for condition in dict.fromkeys(line["condition"] for line in lines):
         here = [line for line in lines if line["condition"] == condition]
-        top = max(line["value"] for line in here)
-        best = [line for line in here if line["value"] == top]
+        top = max(line["auc"] for line in here)
+        best = [line for line in here if line["auc"] == top]
         if len(here) == 1:
             yield f"{condition}: the AUC of {_measured(best[0], ' is ')}."
         elif len(best) > 1:
             names = ", ".join(line["label"] for line in best)
-            yield f"{condition}: {names} share the highest AUC, {best[0]['auc']}."
+            yield f"{condition}: {names} share the highest AUC, {top:.3f}."
         else:
             yield f"{condition}: {_praise(best[0])}."
 
 
-def method_labels(rows: Records) -> dict[str, str]:
+def method_labels(rows: _Records) -> dict[str, str]:
     """Return the label of each method, in the order of the rows."""
     return {row["method"]: row["label"] for row in rows}
 
@@ -93,33 +93,13 @@ def _line(row: Mapping[str, Any], tests: Mapping[str, Any]) -> dict[str, Any]:
         low, high = row["logit_low"], row["logit_high"]
     size = "" if row["ipd_px"] is None else f", IPD {row['ipd_px']:g} px"
     return {
+        **row,
         "condition": f"Option {row['option']}{size}",
-        "label": row["label"],
-        "value": row["auc"],
-        "auc": f"{row['auc']:.3f}",
+        "interval": "no interval" if degenerate else f"{low:.3f} – {high:.3f}",
         "low": low,
         "high": high,
-        "interval": "no interval" if degenerate else _span(low, high),
         "cut": cut,
         "degenerate": degenerate,
-        "std": f"{row['std']:.4f}",
-        "subject": "–" if degenerate else _span(row["subject_low"], row["subject_high"]),
-        "psnr": "–" if row["psnr_y_db"] is None else f"{row['psnr_y_db']:.2f}",
-        "fta": f"{row['fta']:.1%}",
-        "n_genuine": f"{row['n_genuine']:,}",
-        "n_impostor": f"{row['n_impostor']:,}",
-        "eer": f"{row['eer']:.3f}",
-        "d_prime": f"{row['d_prime']:.2f}",
-        "rank_1": f"{row['rank_1']:.1%}",
-        "fnmr": [
-            {
-                "fnmr": f"{point['fnmr']:.3f}",
-                "interval": _span(point["fnmr_low"], point["fnmr_high"]),
-                "fmr": f"{point['fmr']:.2g}",
-                "few": point["few_false_matches"],
-            }
-            for point in row["fnmr"]
-        ],
         "tests": tests,
     }
 
@@ -137,8 +117,4 @@ def _praise(line: Mapping[str, Any]) -> str:
 
 def _measured(line: Mapping[str, Any], between: str = ", ") -> str:
     interval = "" if line["degenerate"] else f" [{line['interval']}]"
-    return f"{line['label']}{between}{line['auc']}{interval}"
-
-
-def _span(low: float | None, high: float | None) -> str:
-    return "–" if low is None or high is None else f"{low:.3f} – {high:.3f}"
+    return f"{line['label']}{between}{line['auc']:.3f}{interval}"

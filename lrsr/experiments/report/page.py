@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -60,6 +60,8 @@ def write_report(
     """
     rows, config = results["rows"], results["config"]
     lines = report_lines(rows, results["comparisons"])
+    rivals = {test["against"] for test in results["comparisons"]}
+    others = [(name, label) for name, label in method_labels(rows).items() if name in rivals]
     several = len({line["condition"] for line in lines}) > 1
     labels = [
         f"{line['condition']}, {line['label']}" if several else line["label"] for line in lines
@@ -70,11 +72,11 @@ def write_report(
         title=config["name"].replace("_", " ").capitalize(),
         question=config["question"],
         answer=list(best_methods(lines)),
-        settings=list(flat({**config, "recognition": results["recognition"]})),
+        settings={**config, "recognition": results["recognition"]},
         lines=lines,
         several_options=several,
         level=f"{100 * config['level']:g} %",
-        against=_against(results),
+        against=[dict(some) for some in (others[:1], others[1:]) if some],  # the first is Base
         target_fmrs=[f"{point['target_fmr']:g}" for point in rows[0]["fnmr"]],
         intervals=draw_intervals(labels, lines, "Area under the ROC curve"),
         panels=[_panel(panel, config["level"]) for panel in panels],
@@ -84,17 +86,6 @@ def write_report(
         versions=results["versions"],
         seed=config["seed"],
     )
-
-
-def _against(results: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Group the methods that others are tested against into at most two columns of the table.
-
-    The first of them in the order of the rows, usually Base, has its own column.
-    """
-    tested = {comparison["against"] for comparison in results["comparisons"]}
-    labels = {m: label for m, label in method_labels(results["rows"]).items() if m in tested}
-    first, others = dict([*labels.items()][:1]), dict([*labels.items()][1:])
-    return [column for column in (first, others) if column]
 
 
 def _panel(panel: Panel, level: float) -> dict[str, Any]:
@@ -108,14 +99,3 @@ def _panel(panel: Panel, level: float) -> dict[str, Any]:
         "columns": [(label, *np.shape(faces)[-2:]) for label, faces in panel.pictures.items()],
         "people": list(zip(panel.people, zip(*columns.values(), strict=True), strict=False)),
     }
-
-
-def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the dotted name and the text of every value of nested settings."""
-    for key, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{prefix}{key}.")
-        elif isinstance(value, list | tuple):
-            yield f"{prefix}{key}", ", ".join(map(str, value))
-        else:
-            yield f"{prefix}{key}", str(value)

@@ -1,12 +1,10 @@
 """What do people look like side by side? Sheets of faces as PNG files, pixels left square."""
 
-import io
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import torch
 import torch.nn.functional as F
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 from torchvision.transforms.v2 import InterpolationMode
@@ -14,15 +12,13 @@ from torchvision.transforms.v2.functional import resize
 from torchvision.utils import make_grid
 
 from lrsr.errors import ImageContractError
+from lrsr.pages import png_bytes
 
 TILE_PX = 128
 GAP_PX = 4
 HEADING_PX = 24
 LINE_PX = 20
 _DPI = 128  # a power of two: no pixel is lost on the way through inches and back
-
-Words = Sequence[tuple[str, float, float, float]]
-"""Text, the x and y of its middle in pixels, and its size in points."""
 
 
 def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
@@ -89,16 +85,14 @@ def draw_portraits(
     )
 
 
-def _draw(sheet: NDArray[np.float64], words: Words) -> bytes:
-    """Encode ``(H, W, 3)`` in [0, 1] with words on it."""
+def _draw(sheet: NDArray[np.float64], words: Sequence[tuple[str, float, float, float]]) -> bytes:
+    """Encode ``(H, W, 3)`` in [0, 1] with words: x and y of the middle in px, size in points."""
     height, width, _ = sheet.shape
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
     figure.figimage(np.rint(sheet * 255).astype(np.uint8), xo=0, yo=0, origin="upper")
     for text, x, y, size in words:
         figure.text(x / width, 1 - y / height, text, ha="center", va="center", fontsize=size)
-    buffer = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})
-    return buffer.getvalue()
+    return png_bytes(figure)
 
 
 def _tile(column: torch.Tensor) -> torch.Tensor:

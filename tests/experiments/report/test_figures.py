@@ -41,7 +41,7 @@ def test_a_curve_of_complete_separation_can_be_drawn() -> None:
 
 def test_an_interval_plot_grows_with_its_lines() -> None:
     def height(count: int) -> int:
-        area = {"value": 0.5, "low": 0.4, "high": 0.6}
+        area = {"auc": 0.5, "low": 0.4, "high": 0.6}
         return decode(draw_intervals(["x"] * count, [area] * count, "AUC")).shape[0]
 
     assert height(1) < height(6) < height(36)
