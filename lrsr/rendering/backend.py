@@ -161,6 +161,30 @@ def start() -> Any:
     return _begin()[0]
 
 
+class _Woken:
+    """A module that is imported when it is first asked for something."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __getattr__(self, name: str) -> Any:
+        """Look it up once; the variant, and with it Mitsuba's classes, stays.
+
+        Raises:
+            AttributeError: There is no such attribute.
+        """
+        if name.startswith("__"):  # of those who look at this object, as doctests do
+            raise AttributeError(name)
+        start()
+        value = getattr(sys.modules[self._name], name)
+        setattr(self, name, value)
+        return value
+
+
+mi: Any = _Woken("mitsuba")
+dr: Any = _Woken("drjit")
+
+
 @cache
 def _begin() -> tuple[Any, int]:
     """Return the module and the process that started it."""

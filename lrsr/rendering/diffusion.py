@@ -20,6 +20,8 @@ Lengths are in mean free paths, l = 1 / (σa + σs').
 import math
 from typing import Any
 
+from lrsr.rendering.backend import dr
+
 _FIT_RANGE = (0.016, 0.81)
 """Diffuse albedos that the fits were made for; beyond, the nearest width serves."""
 
@@ -113,14 +115,10 @@ def _cubic(coefficients: tuple[float, float, float, float], a: Any) -> Any:
 def _clip(value: Any, low: float, high: float) -> Any:
     if isinstance(value, float):
         return min(max(value, low), high)
-    import drjit  # of a kernel, so it is loaded
-
-    return drjit.clip(value, low, high)
+    return dr.clip(value, low, high)
 
 
 def _exp(value: Any) -> Any:
     if isinstance(value, float):
         return math.exp(value)
-    import drjit
-
-    return drjit.exp(value)
+    return dr.exp(value)

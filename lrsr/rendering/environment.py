@@ -11,6 +11,8 @@ from lrsr.rendering.colour import LUMINANCE
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Panel
 
+_Floats = NDArray[np.float64]
+
 _MAP_HEIGHT_PX = 64
 """Rows of the environment map, one per 2.9°; twice as many columns."""
 
@@ -18,7 +20,7 @@ _PANEL_STEPS = 24
 """Points along each side of a panel at which the meter looks at it."""
 
 
-def lambert_phase(angle_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+def lambert_phase(angle_rad: _Floats) -> _Floats:
     """Return the mean radiance of a white Lambertian sphere's disc, lit from that phase angle.
 
     In units of E/π, E the irradiance of a facing surface: (2/3)(sin θ + (π − θ) cos θ)/π, Lambert's
@@ -72,9 +74,7 @@ def environment(lighting: Lighting) -> tuple[NDArray[np.float32], float]:
     return painted, metered
 
 
-def _paint_lights(
-    lighting: Lighting, directions: NDArray[np.float64], solid_angles: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _paint_lights(lighting: Lighting, directions: _Floats, solid_angles: _Floats) -> _Floats:
     """Return the radiance of the far discs, ``(H, 2H, 3)``."""
     radiance = np.zeros((*solid_angles.shape, 3))
     for light in lighting.lights:
@@ -87,7 +87,7 @@ def _paint_lights(
     return radiance
 
 
-def _room(lighting: Lighting, meter: NDArray[np.float64]) -> NDArray[np.float64]:
+def _room(lighting: Lighting, meter: _Floats) -> _Floats:
     """Return the lighting's map, ``(H, 2H, 3)``, scaled so that a meter reads 1 in its fill.
 
     Without a map everything is 1.
@@ -106,7 +106,7 @@ def _room(lighting: Lighting, meter: NDArray[np.float64]) -> NDArray[np.float64]
     return room / read
 
 
-def hides(panel: Panel, directions: NDArray[np.float64]) -> NDArray[np.bool_]:
+def hides(panel: Panel, directions: _Floats) -> NDArray[np.bool_]:
     """Return which directions ``(..., 3)`` from between the eyes a panel lies in."""
     matrix = panel.to_world()
     ahead = -(directions @ matrix[:3, 2])
@@ -133,9 +133,7 @@ def panel_metered(panel: Panel) -> float:
     return panel_radiance(panel) * seen / math.pi
 
 
-def _seen(
-    panel: Panel,
-) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64], float]:
+def _seen(panel: Panel) -> tuple[tuple[_Floats, _Floats], _Floats, float]:
     """Return points of a panel as seen from between the eyes.
 
     Returns:
@@ -154,7 +152,7 @@ def _seen(
     return (distance, towards), -(towards @ matrix[:3, 2]), area
 
 
-def map_grid() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def map_grid() -> tuple[_Floats, _Floats]:
     """Return directions ``(H, 2H, 3)`` and solid angles ``(H, 2H)`` that sum to 4π."""
     theta = np.linspace(0, np.pi, _MAP_HEIGHT_PX)
     phi = 2 * np.pi * (np.arange(2 * _MAP_HEIGHT_PX) + 0.5) / (2 * _MAP_HEIGHT_PX)

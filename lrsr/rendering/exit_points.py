@@ -5,11 +5,10 @@ the hits of a probe instead of a second draw. Lengths are millimetres.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.rendering.diffusion import NEAR, far_width, near_weight
 
 _MOST_HITS = 4
@@ -44,8 +43,6 @@ class Profile:
     """
 
     def __init__(self, albedo: Any, mean_free_path_mm: Any, reach_mm: Any) -> None:
-        import drjit as dr
-
         self.mean_free_path_mm = mean_free_path_mm
         self.near, self.far = NEAR * mean_free_path_mm, far_width(albedo) * mean_free_path_mm
         self.reach = dr.minimum(reach_mm, _REACH_WIDTHS * dr.max(self.far))
@@ -59,8 +56,6 @@ class Profile:
 
     def at(self, distance: Any) -> Any:
         """Return R of the channels, mm⁻²."""
-        import drjit as dr
-
         distance = dr.maximum(distance, 1e-4)
         near = self._near_height * dr.exp(-distance / self.near)
         far = self._far_height * dr.exp(-distance / self.far)
@@ -74,8 +69,6 @@ class Profile:
         Args:
             uniform: [0, 1).
         """
-        import drjit as dr
-
         channels = len(self.near)
         scaled = uniform * channels
         width, inside = dr.zeros(type(uniform)), dr.zeros(type(uniform))
@@ -92,19 +85,6 @@ class Profile:
         return -width * dr.log(1 - inside * (1 - dr.exp(-self.reach / width)))
 
 
-@dataclass
-class Exit:
-    """Where light entered.
-
-    Attributes:
-        interaction: ``mi.SurfaceInteraction3f``.
-        weight: Estimate of ∫ S dA over the density, per channel; 0: nothing was hit.
-    """
-
-    interaction: Any
-    weight: Any
-
-
 def find_exit(
     scene: Any,
     sampler: Any,
@@ -114,7 +94,7 @@ def find_exit(
     find: Find,
     normal_share: Any,
     active: Any,
-) -> Exit:
+) -> tuple[Any, Any]:
     """Draw one exit point.
 
     Args:
@@ -126,10 +106,11 @@ def find_exit(
         find: Says which hits are skin.
         normal_share: Of the probes along the normal.
         active: Which lanes.
-    """
-    import drjit as dr
 
-    mi = start()
+    Returns:
+        interaction: ``mi.SurfaceInteraction3f``, where light entered.
+        weight: Estimate of ∫ S dA over the density, per channel; 0: nothing was hit.
+    """
     frame = mi.Frame3f(normal)
     tangent_share = (1 - normal_share) / 2
     uniform, pick, turn = sampler.next_1d(), sampler.next_1d(), sampler.next_1d()
@@ -160,14 +141,12 @@ def find_exit(
     interaction = chosen.compute_surface_interaction(ray, mi.RayFlags.All, found)
     spread = profile.at(dr.norm(interaction.p - origin.p))
     weight = dr.select(found, spread * (total / dr.mean(spread)), 0)
-    return Exit(interaction, weight)
+    return interaction, weight
 
 
 @cache
 def jitted(function: Callable[..., Any]) -> Callable[..., Any]:
     """Turn a function's loops into those of Dr.Jit, which must load after its LLVM is chosen."""
-    import drjit as dr
-
     transformed: Callable[..., Any] = dr.syntax(function)
     return transformed
 
@@ -176,9 +155,6 @@ def _reservoir(
     scene: Any, ray: Any, length: Any, pick: Any, find: Find, weigh: Any, active: Any
 ) -> tuple[Any, Any]:
     """Follow the probe; keep one hit with a chance in proportion to its weight."""
-    import drjit as dr
-
-    mi = start()
     chosen = dr.zeros(mi.PreliminaryIntersection3f)
     begin = mi.Point3f(ray.o)
     left = mi.Float(length)
@@ -215,8 +191,6 @@ def _densities(
     frame: Any, profile: Profile, offset: Any, facing: Any, normal_share: Any
 ) -> list[Any]:
     """Return the density per area with which each axis finds a point, all channels together."""
-    import drjit as dr
-
     local = frame.to_local(offset)
     lengths = (dr.hypot(local.x, local.y), dr.hypot(local.y, local.z), dr.hypot(local.x, local.z))
     tangent_share = (1 - normal_share) / 2
@@ -229,8 +203,6 @@ def _densities(
 
 def _inside(offset: Any, here: Any, there: Any) -> Any:
     """Tell whether light may go straight from one point to the other through the skin."""
-    import drjit as dr
-
     sine = dr.select(dr.dot(here, there) < 0, _FACING_OPPOSED, _FACING)
     length = sine * dr.norm(offset)
     return ~((dr.dot(offset, here) > length) & (-dr.dot(offset, there) > length))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint, world_to_head
 from lrsr.rendering.lens import PINHOLE, Lens
 from lrsr.rendering.lens_sensor import lens_sensor
@@ -26,6 +26,8 @@ from lrsr.spectra import band_edges
 
 _MAX_RAYS = 1 << 22
 """Rays of one launch; more are split into passes."""
+
+_Edges = tuple[float, ...] | None
 
 
 def expose(
@@ -62,7 +64,6 @@ def expose(
     Raises:
         InputError: The lens cannot be focused so near, or the variant has no spectrum.
     """
-    mi = start()
     edges = _edges(bands)
     side = scale * viewpoint.film_px
     passes = -(-side * side * samples // _MAX_RAYS)
@@ -80,13 +81,13 @@ def expose(
     return mean.astype(np.float32).reshape(side, side, -1)
 
 
-def _edges(bands: int) -> tuple[float, ...] | None:
+def _edges(bands: int) -> _Edges:
     """Return the edges of so many bands, nm; None: three colours.
 
     Raises:
         InputError: The variant has no spectrum, or so many bands are not possible.
     """
-    if bands and not (mi := start()).is_spectral:
+    if bands and not mi.is_spectral:
         raise InputError(
             f"bands={bands}: variant {mi.variant()} traces three colours, no spectrum; set"
             " LRSR_VARIANT=llvm_ad_spectral, or choose a camera that needs no bands"
@@ -106,7 +107,7 @@ def _make_sensor(
     samples: int,
     lens: Lens,
     focus_mm: float,
-    edges_nm: tuple[float, ...] | None = None,
+    edges_nm: _Edges = None,
 ) -> Any:
     """Make the ``mi.Sensor`` of that viewpoint and lens; see :func:`expose`.
 
@@ -114,7 +115,7 @@ def _make_sensor(
         InputError: The lens cannot be focused so near.
     """
     if lens.is_pinhole:
-        return start().load_dict(_describe_pinhole(viewpoint, pose, side, samples))
+        return mi.load_dict(_describe_pinhole(viewpoint, pose, side, samples))
     constant_mm = viewpoint.pixels_per_slope * AXIS_P1435LE.pitch_um / 1000
     slope = viewpoint.film_px / 2 / viewpoint.pixels_per_slope
     # The filter reaches two pixels of the film beyond its corner.
@@ -129,7 +130,6 @@ def _make_sensor(
 
 def _describe_pinhole(viewpoint: Viewpoint, pose: Pose, side: int, samples: int) -> dict[str, Any]:
     """Describe Mitsuba's pinhole for that viewpoint, for ``mi.load_dict``."""
-    mi = start()
     centre, (_, up, back) = viewpoint.centre_mm, viewpoint.axes()
     in_world = mi.ScalarTransform4f().look_at(
         origin=centre.tolist(), target=(centre - back).tolist(), up=up.tolist()
@@ -145,21 +145,12 @@ def _describe_pinhole(viewpoint: Viewpoint, pose: Pose, side: int, samples: int)
 
 
 def _trace(
-    scene: Any,
-    integrator: Any,
-    sensor: Any,
-    side: int,
-    samples: int,
-    seed: int,
-    edges_nm: tuple[float, ...] | None,
+    scene: Any, integrator: Any, sensor: Any, side: int, samples: int, seed: int, edges_nm: _Edges
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | float]:
     """Return the light of ``samples`` rays in each pixel, and as how many rays they count.
 
     Both are sums, ``(side², 3 or N)`` or what spreads to that.
     """
-    import drjit as dr
-
-    mi = start()
     lanes = order_rays(samples, side * side, seed)
     sampler = stratified(samples, seed, lanes)
     # Opaque, so that one kernel serves every film of that number of samples.
@@ -184,29 +175,19 @@ def _trace(
 
 def _in_given_order(values: Any, lanes: Any) -> Any:
     """Put what each lane found where it belongs, so that sums do not depend on the order."""
-    import drjit as dr
-
     ordered = dr.empty(type(values), len(lanes))
     dr.scatter(ordered, values, lanes, mode=dr.ReduceMode.Permute)
     return ordered
 
 
 def _follow(
-    scene: Any,
-    integrator: Any,
-    sensor: Any,
-    sampler: Any,
-    position: Any,
-    edges_nm: tuple[float, ...] | None,
+    scene: Any, integrator: Any, sensor: Any, sampler: Any, position: Any, edges_nm: _Edges
 ) -> tuple[Any, Any, Any]:
     """Return the light of one ray for each position, as how many it counts, and its wavelengths.
 
     None: all count as one. Rays that a lens stops bring no light. Light of a spectral variant is
     that of each wavelength over its density.
     """
-    import drjit as dr
-
-    mi = start()
     if not hasattr(sensor, "sample_balanced"):  # a pinhole
         colour = sampler.next_1d() if mi.is_spectral else 0.5
         ray, weight = sensor.sample_ray_differential(0.0, colour, position, mi.Point2f(0.5))
@@ -228,7 +209,5 @@ def _follow(
 
 def _sum(values: Any, samples: int) -> NDArray[np.float64]:
     """Add up the values of each pixel, ``(side², C)``."""
-    import drjit as dr
-
     sums = [dr.block_sum(channel, samples, mode="evaluated").numpy() for channel in values]
     return np.stack(sums, axis=1).astype(np.float64)

@@ -58,10 +58,8 @@ def refractive_index(glass: str, wavelength_nm: ArrayLike = D_LINE_NM) -> NDArra
         >>> round(float(refractive_index("N-BK7")), 4)
         1.5168
     """
-    b, c = np.reshape(coefficients(glass), (2, 3))
-    squared = (np.asarray(wavelength_nm, dtype=np.float64) / 1000) ** 2
-    terms = b * squared[..., None] / (squared[..., None] - c)
-    return np.asarray(np.sqrt(1 + terms.sum(axis=-1)))
+    micrometres = np.asarray(wavelength_nm, dtype=np.float64) / 1000
+    return np.asarray(index_of_ray(coefficients(glass), micrometres, np.sqrt))
 
 
 def index_of_ray(rows: Any, wavelength_um: Any, root: Any) -> Any:

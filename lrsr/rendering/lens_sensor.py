@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.rendering.glass import D_LINE_NM, coefficients, index_of_ray
 from lrsr.rendering.lens import CHANNELS_NM
 from lrsr.rendering.mounted_lens import MountedLens
@@ -74,36 +74,21 @@ def lens_sensor(
     Returns:
         ``mi.Sensor``; it renders by ``mi.render``, too.
     """
-    mi = start()
     properties = mi.Properties()
     for name, description in describe_film(side, samples).items():
         properties[name] = mi.load_dict(description)
-    return _sensor_class()(properties, mounted, to_world, slope, disperse, span_nm)
+    sensor = _sensor_class()(properties)
+    sensor._mounted, sensor._matrix = mounted, to_world
+    sensor._disperse, sensor._span_nm = disperse, span_nm
+    sensor._width = -2 * slope * mounted.constant_mm  # the lens turns the picture round
+    sensor._numbers = None if "scalar" in mi.variant() else _opaque(sensor)
+    return sensor
 
 
 @cache
 def _sensor_class() -> Any:
-    mi = start()
-
-    class LensSensor(mi.Sensor):  # type: ignore[misc, name-defined]
+    class LensSensor(mi.Sensor):  # type: ignore[misc]
         """See the module."""
-
-        def __init__(
-            self,
-            properties: Any,
-            mounted: MountedLens,
-            to_world: NDArray[np.float64],
-            slope: float,
-            disperse: bool,
-            span_nm: tuple[float, float] | None,
-        ) -> None:
-            super().__init__(properties)
-            self._mounted = mounted
-            self._width = -2 * slope * mounted.constant_mm  # the lens turns the picture round
-            self._matrix = to_world
-            self._disperse = disperse
-            self._span_nm = span_nm
-            self._numbers = None if "scalar" in mi.variant() else _opaque(self)
 
         def sample_ray(
             self, time: Any, wavelength: Any, position: Any, aperture: Any, active: Any = True
@@ -139,9 +124,6 @@ def _sensor_class() -> Any:
 
 def _opaque(sensor: Any) -> dict[str, Any]:
     """Return all numbers of the lens so that no kernel holds one of them."""
-    import drjit as dr
-
-    mi = start()
     mounted = sensor._mounted
     rows = _table(mounted)
     scalars = {
@@ -170,9 +152,6 @@ def _wavefront_ray(
     sensor: Any, time: Any, wavelength: Any, position: Any, aperture: Any, active: Any
 ) -> tuple[Any, Any, Any]:
     """Return a ray, the weight of its colours, and that of its place; 0 if it does not pass."""
-    import drjit as dr
-
-    mi = start()
     number = sensor._numbers
     film = mi.Vector3f(
         (position.x - 0.5) * number["width"], (0.5 - position.y) * number["width"], 0.0
@@ -208,9 +187,6 @@ def _wavefront_ray(
 
 def _reciprocal_fall_off(sensor: Any, position: Any) -> Any:
     """Return 1 / mean weight of the rays of a film position; 0 where no light arrives."""
-    import drjit as dr
-
-    mi = start()
     number = sensor._numbers
     radius = dr.abs(number["width"]) * dr.norm(position - 0.5)
     step = dr.minimum(radius * number["steps_per_mm"], number["last_step"])
@@ -223,9 +199,6 @@ def _reciprocal_fall_off(sensor: Any, position: Any) -> Any:
 
 def _colours(sensor: Any, sample: Any, number: dict[str, Any]) -> tuple[Any, Any, Any]:
     """Return the ray's wavelengths (nm), the one that is traced (µm), and the weights."""
-    import drjit as dr
-
-    mi = start()
     if mi.is_spectral:
         if sensor._span_nm is None:
             wavelengths, weight = mi.sample_rgb_spectrum(mi.sample_shifted(sample))
@@ -244,9 +217,6 @@ def _colours(sensor: Any, sample: Any, number: dict[str, Any]) -> tuple[Any, Any
 
 def _refract(rows: Any, count: Any, point: Any, way: Any, traced_um: Any, active: Any) -> Any:
     """Refract at one surface after the other, as :func:`lrsr.rendering.surfaces.trace` does."""
-    import drjit as dr
-
-    mi = start()
 
     def meet(row: Any, point: Any, way: Any, before: Any, alive: Any) -> tuple[Any, ...]:
         vertex, c, square, power, *glass = (
@@ -282,7 +252,6 @@ def _scalar_ray(
     sensor: Any, time: Any, wavelength: Any, position: Any, aperture: Any
 ) -> tuple[Any, Any]:
     """Trace one ray in double precision, for variants without Dr.Jit's compilers."""
-    mi = start()
     mounted = sensor._mounted
     film = np.array([[position[0] - 0.5, 0.5 - position[1]]]) * sensor._width
     disc = mi.warp.square_to_uniform_disk_concentric(aperture)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.rendering.environment import panel_radiance
 from lrsr.rendering.lighting import Lighting
 
@@ -18,7 +18,6 @@ _PREFIX = "panel_"
 
 def describe_panels(lighting: Lighting) -> dict[str, Any]:
     """Describe the panels of a lighting for ``mi.load_dict``; far away until they are moved."""
-    mi = start()
     return {
         f"{_PREFIX}{number}": {
             "type": "rectangle",
@@ -52,7 +51,6 @@ def move_panels(parameters: Any, lighting: Lighting, to_head: NDArray[np.float64
 
 def map_data(painted: NDArray[np.float32], width: int) -> Any:
     """Return a painted map ``(H, W, 3)`` as Mitsuba's ``envmap`` keeps it, ``width`` columns."""
-    mi = start()
     if mi.is_spectral:  # as coefficients of spectra
         emitter = mi.load_dict({"type": "envmap", "bitmap": mi.Bitmap(painted.copy())})
         return mi.traverse(emitter)["data"]
@@ -63,7 +61,6 @@ def map_data(painted: NDArray[np.float32], width: int) -> Any:
 
 def _radiance(rgb: list[float]) -> dict[str, Any]:
     """Return the parameters of an area emitter of that radiance, by their keys."""
-    mi = start()
     if not mi.is_spectral:
         return {"radiance.value": mi.Color3f(*rgb)}
     emitter = mi.load_dict({"type": "area", "radiance": {"type": "rgb", "value": rgb}})
@@ -73,13 +70,11 @@ def _radiance(rgb: list[float]) -> dict[str, Any]:
 
 def opaque_transform(matrix: NDArray[np.float64]) -> Any:
     """Turn a ``(4, 4)`` matrix into a transform whose numbers are no literals of a kernel."""
-    return _opaque(start().Transform4f(matrix))
+    return _opaque(mi.Transform4f(matrix))
 
 
 def _opaque(value: Any) -> Any:
     """Return numbers of Dr.Jit that are no literals of a kernel."""
-    if "scalar" not in start().variant():
-        import drjit
-
-        drjit.make_opaque(value)
+    if "scalar" not in mi.variant():
+        dr.make_opaque(value)
     return value

@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from lrsr.identities.head import Head, Part
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import mi
 from lrsr.rendering.environment import environment
 from lrsr.rendering.geometry import world_to_head
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.live_lights import describe_panels, map_data, move_panels, opaque_transform
 from lrsr.rendering.materials import MATERIALS, bsdf
+from lrsr.rendering.painted_skin import SkinSurface
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.skin import Skin
 from lrsr.rendering.skin_medium import (
@@ -31,6 +32,7 @@ from lrsr.rendering.skin_medium import (
     medium_parameters,
 )
 from lrsr.rendering.skin_spectrum import VALUES, skin_albedo
+from lrsr.rendering.subsurface import subsurface_integrator
 
 logger = logging.getLogger(__name__)
 
@@ -74,30 +76,24 @@ class LiveScene:
             roulette_depth: From which bounce on dim paths may end by chance.
         """
         if self._integrator is None:
-            self._integrator = self._make_integrator(max_depth, roulette_depth)
+            depths = (max_depth, roulette_depth)
+            path = {"type": "path", "max_depth": max_depth, "rr_depth": roulette_depth}
+            if self._model() == "volumetric":
+                path = {"type": "volpathmis", "max_depth": LONGEST_PATH}
+            self._integrator = (
+                subsurface_integrator(self.skin, self._surfaces, *depths)
+                if self._surfaces
+                else mi.load_dict(path)
+            )
         return self._integrator
 
-    def _make_integrator(self, max_depth: int, roulette_depth: int) -> Any:
-        mi = start()
-        if self._model() == "volumetric":
-            return mi.load_dict({"type": "volpathmis", "max_depth": LONGEST_PATH})
-        if self._model() == "reflective" or not self._surfaces:
-            settings = {"max_depth": max_depth, "rr_depth": roulette_depth}
-            return mi.load_dict({"type": "path", **settings})
-        from lrsr.rendering.subsurface import subsurface_integrator
-
-        return subsurface_integrator(
-            self.skin, self._surfaces, max_depth=max_depth, roulette_depth=roulette_depth
-        )
-
     def _model(self) -> str:
-        if start().variant().startswith("scalar") and self.skin.model == "subsurface":
+        if mi.variant().startswith("scalar") and self.skin.model == "subsurface":
             _warn_of_scalar()
             return "reflective"
         return self.skin.model
 
     def _load(self, head: Head, lighting: Lighting) -> None:
-        mi = start()
         self._scene = self._parameters = self._head = self._lighting = self._pose = None
         self._integrator = None
         self._surfaces = []
@@ -112,11 +108,10 @@ class LiveScene:
         self._head, self._lighting = head, lighting
 
     def _mesh(self, part: Part) -> Any:
-        mi = start()
         properties = mi.Properties()
         translucent = part.material == "skin" and self._model() == "volumetric"
         given = [] if translucent else _textures(part)
-        textures = {name: painted(part, name, values) for name, values in given}
+        textures = {name: _painted(part, name, values) for name, values in given}
         if translucent:
             properties["bsdf"] = mi.load_dict(describe_boundary(self.skin))
             properties["interior"] = mi.load_dict(describe_medium(self.skin, part))
@@ -127,14 +122,8 @@ class LiveScene:
                 key = self._keys[part.name, "albedo"]
                 self._keys[part.name, "albedo"] = f"{key.removesuffix('data')}{VALUES}"
             properties["bsdf"] = mi.load_dict(description)
-        mesh = mi.Mesh(
-            part.name,
-            len(part.vertices),
-            len(part.faces),
-            properties,
-            has_vertex_normals=True,
-            has_vertex_texcoords=True,
-        )
+        has = {"has_vertex_normals": True, "has_vertex_texcoords": True}
+        mesh = mi.Mesh(part.name, len(part.vertices), len(part.faces), properties, **has)
         values = mi.traverse(mesh)
         values["faces"] = np.ascontiguousarray(part.faces, dtype=np.uint32).ravel()
         values["vertex_texcoords"] = part.uv.ravel()
@@ -163,11 +152,10 @@ class LiveScene:
         self._pose = None
 
     def _update_texture(self, part: Part, name: str, texture: NDArray[np.float32]) -> None:
-        mi = start()
         if (part.name, name) in self._keys:
             if name == "albedo" and mi.is_spectral and part.material != "skin":
                 # which stores colours as coefficients
-                tensor = mi.traverse(bitmap(name, texture))["data"]
+                tensor = mi.traverse(_painted(part, name, texture))["data"]
             else:
                 tensor = mi.TensorXf(np.ascontiguousarray(texture))
             self._parameters[self._keys[part.name, name]] = tensor
@@ -187,12 +175,13 @@ class LiveScene:
 
 def fits(new: Head, old: Head) -> bool:
     """Tell whether a head can replace another in place: it differs in shape and colour alone."""
-    return len(new.parts) == len(old.parts) and all(
-        (a.name, a.material, a.vertices.shape) == (b.name, b.material, b.vertices.shape)
-        and _same(a.faces, b.faces)
-        and _same(a.uv, b.uv)
-        and [(name, texture.shape) for name, texture in _textures(a)]
-        == [(name, texture.shape) for name, texture in _textures(b)]
+
+    def outline(part: Part) -> tuple[object, ...]:
+        textures = [(name, texture.shape) for name, texture in _textures(part)]
+        return part.name, part.material, part.vertices.shape, textures
+
+    return [*map(outline, new.parts)] == [*map(outline, old.parts)] and all(
+        _same(a.faces, b.faces) and _same(a.uv, b.uv)
         for a, b in zip(new.parts, old.parts, strict=True)
     )
 
@@ -208,34 +197,23 @@ def _textures(part: Part) -> list[tuple[str, NDArray[np.float32]]]:
     return [("albedo", part.albedo), *given]
 
 
-def painted(part: Part, name: str, texture: NDArray[np.float32]) -> Any:
-    """Make a ``mi.Texture`` of a map of a part; albedo of skin has skin's spectra, if any."""
-    if name == "albedo" and part.material == "skin" and start().is_spectral:
-        return skin_albedo(texture)
-    return bitmap(name, texture)
+def _painted(part: Part, name: str, texture: NDArray[np.float32]) -> Any:
+    """Make a ``mi.Texture`` of a map of a part, ``(H, W, channels)``.
 
-
-def bitmap(name: str, texture: NDArray[np.float32]) -> Any:
-    """Make a ``mi.Texture`` of a map of that name, ``(H, W, channels)``; albedo is a colour."""
-    mi = start()
-    return mi.load_dict(
-        {
-            "type": "bitmap",
-            "bitmap": mi.Bitmap(np.array(texture, dtype=np.float32, order="C")),
-            "raw": name != "albedo" or not mi.is_spectral,  # a spectrum needs coefficients
-            "wrap_mode": "clamp",
-        }
-    )
+    Where light has a spectrum, albedo of skin has skin's, and another albedo Mitsuba's.
+    """
+    coloured, skin = name == "albedo" and mi.is_spectral, part.material == "skin"
+    values = mi.Bitmap(np.array(texture, dtype=np.float32, order="C"))
+    raw = {"type": "bitmap", "bitmap": values, "raw": not coloured or skin, "wrap_mode": "clamp"}
+    return skin_albedo(mi.load_dict(raw)) if coloured and skin else mi.load_dict(raw)
 
 
 def _skin_surface(mesh: Any, textures: Mapping[str, Any]) -> Any:
     """Return what the tracer of translucent skin needs to know of a mesh with those textures."""
-    from lrsr.rendering.painted_skin import SkinSurface
-
     roughness = textures.get("roughness")
     if roughness is None:
         number = MATERIALS["skin"]["roughness"]
-        roughness = start().load_dict({"type": "uniform", "value": number})
+        roughness = mi.load_dict({"type": "uniform", "value": number})
     return SkinSurface(mesh, textures["albedo"], roughness, textures.get("height"))
 
 

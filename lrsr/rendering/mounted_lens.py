@@ -22,6 +22,8 @@ from lrsr.rendering.surfaces import (
     trace,
 )
 
+_Floats = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class MountedLens:
@@ -58,39 +60,31 @@ class MountedLens:
     fall_off: tuple[float, ...] = (1.0, 1.0)
     film_mm: float = 1.0
 
-    def from_film(self) -> tuple[tuple[Surface, ...], NDArray[np.float64]]:
+    def from_film(self) -> tuple[tuple[Surface, ...], _Floats]:
         """Return the surfaces as light from the film would meet them, and their distance to it."""
         backwards = reversed_surfaces(self.surfaces)
         gaps = [self.image_mm, *(surface.thickness_mm for surface in backwards[:-1])]
         return backwards, np.cumsum(gaps)
 
-    def pupil_middle_mm(self, film_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pupil_middle_mm(self, film_mm: _Floats) -> _Floats:
         """Return where the middle of the exit pupil seems to be from film points ``(N, 2)``, mm."""
         film = np.asarray(film_mm, np.float64)
         square = (film**2).sum(axis=1, keepdims=True)
         return np.asarray(film * np.polynomial.polynomial.polyval(square, self.pupil_shift))
 
-    def pupil_reach_mm(self, film_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pupil_reach_mm(self, film_mm: _Floats) -> _Floats:
         """Return the radius of the disc that holds all light to film points ``(N, 2)``, mm."""
         square = (np.asarray(film_mm, np.float64) ** 2).sum(axis=1)
         return np.asarray(self.pupil_radius_mm + self.pupil_growth_per_mm * square)
 
-    def weight(
-        self,
-        film_mm: NDArray[np.float64],
-        pupil_mm: NDArray[np.float64],
-        reach_mm: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
+    def weight(self, film_mm: _Floats, pupil_mm: _Floats, reach_mm: _Floats) -> _Floats:
         """Return the weights ``(N,)`` of rays that pass, aimed evenly at discs of those radii."""
         square = ((pupil_mm - film_mm) ** 2).sum(axis=1) + self.pupil_mm**2
         return np.asarray((reach_mm * self.pupil_mm / square) ** 2 / self.brightness)
 
     def rays_from_film(
-        self,
-        film_mm: NDArray[np.float64],
-        pupil_mm: NDArray[np.float64],
-        wavelength_nm: float = D_LINE_NM,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        self, film_mm: _Floats, pupil_mm: _Floats, wavelength_nm: float = D_LINE_NM
+    ) -> tuple[_Floats, _Floats, NDArray[np.bool_]]:
         """Trace rays from points of the film through points of the exit pupil's plane.
 
         Args:
@@ -208,8 +202,8 @@ def _fall_off(mounted: MountedLens, film_mm: float) -> tuple[float, ...]:
 
 
 def _aim_at_stop(
-    mounted: MountedLens, film_mm: NDArray[np.float64], stop: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    mounted: MountedLens, film_mm: _Floats, stop: _Floats
+) -> tuple[_Floats, NDArray[np.bool_]]:
     """Find where rays that meet the stop at a point cross the exit pupil's plane.
 
     Args:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.rendering.diffusion import scattering_albedo
 from lrsr.rendering.exit_points import Profile
 from lrsr.rendering.reflection import RoughReflection
@@ -51,9 +51,6 @@ class PaintedSkin:
         roulette_depth: int,
         sampling: Sampling,
     ) -> None:
-        import drjit as dr
-
-        mi = start()
         self.fixed = skin.fixed
         self.surfaces = surfaces
         self.pointers = [mi.ShapePtr(surface.mesh) for surface in surfaces]
@@ -68,9 +65,6 @@ class PaintedSkin:
 
     def find(self, hit: Any, active: Any) -> tuple[Any, Any]:
         """Tell which hits are skin, and the normals of their triangles."""
-        import drjit as dr
-
-        mi = start()
         skin, normal = mi.Bool(False), mi.Normal3f(0, 0, 1)
         for pointer, surface in zip(self.pointers, self.surfaces, strict=True):
             here = active & (hit.shape == pointer)
@@ -80,7 +74,6 @@ class PaintedSkin:
 
     def is_skin(self, si: Any) -> Any:
         """Tell which lanes lie on skin."""
-        mi = start()
         skin = mi.Bool(False)
         for pointer in self.pointers:
             skin |= si.shape == pointer
@@ -88,9 +81,6 @@ class PaintedSkin:
 
     def look_up(self, si: Any, active: Any) -> tuple[Any, Any]:
         """Return the albedo and the roughness of skin."""
-        import drjit as dr
-
-        mi = start()
         albedo, roughness = mi.Spectrum(0.5), mi.Float(0.5)
         for pointer, surface in zip(self.pointers, self.surfaces, strict=True):
             here = active & (si.shape == pointer)
@@ -100,8 +90,6 @@ class PaintedSkin:
 
     def normal(self, si: Any, active: Any) -> Any:
         """Return the shading normal with the relief on it."""
-        import drjit as dr
-
         normal = si.sh_frame.n
         for pointer, surface in zip(self.pointers, self.surfaces, strict=True):
             if surface.height is not None:
@@ -121,9 +109,6 @@ class PaintedSkin:
 
 def _at_wavelengths(channels: list[Any], wavelengths: Any) -> Any:
     """Return a coefficient per channel, or where light has a spectrum, linear between those."""
-    import drjit as dr
-
-    mi = start()
     if not mi.is_spectral:
         return mi.Spectrum(*channels) if len(mi.Spectrum()) == 3 else mi.Spectrum(channels[1])
     red, green, blue = CHANNEL_NM
@@ -135,9 +120,6 @@ def _at_wavelengths(channels: list[Any], wavelengths: Any) -> Any:
 
 def _bumped(si: Any, height: Any, active: Any) -> Any:
     """Tilt the normal as Mitsuba's ``bumpmap`` does."""
-    import drjit as dr
-
-    mi = start()
     normal = si.sh_frame.n
     slope = height.eval_1_grad(si, active)
     along_u = si.dp_du + normal * (slope.x - dr.dot(normal, si.dp_du))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import mi
 
 
 def load_map(file: str | Path, turned_deg: float, height_px: int) -> NDArray[np.float64]:
@@ -58,7 +58,6 @@ def _read(file: Path) -> NDArray[np.float64]:
     Raises:
         InputError: It cannot be read.
     """
-    mi = start()
     try:
         bitmap = mi.Bitmap(str(file))
         raw = np.array(bitmap, dtype=np.float64)

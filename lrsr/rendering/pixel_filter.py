@@ -8,6 +8,8 @@ same scene, and its 2 × 2 means are slightly sharper than the ×1 film.
 import math
 from typing import Any
 
+from lrsr.rendering.backend import dr
+
 _STDDEV_PX = 0.5
 
 _CUT = 4.0
@@ -33,7 +35,5 @@ def describe_film(side: int, samples: int) -> dict[str, Any]:
 
 def draw_offset(uniform: Any) -> Any:
     """Return how far from its pixel's middle a ray starts, px, for two numbers in [0, 1)."""
-    import drjit as dr
-
     cut = math.erf(_CUT / math.sqrt(2))
     return _STDDEV_PX * math.sqrt(2) * dr.erfinv((2 * uniform - 1) * cut)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 
 TABLE_SIZE = 32
 """Nodes of the table along each axis."""
@@ -104,9 +104,6 @@ class RoughReflection:
     """
 
     def __init__(self, refractive_index: float) -> None:
-        import drjit as dr
-
-        mi = start()
         self._index = dr.opaque(mi.Float, refractive_index)
         directional, mean = _albedo_table(refractive_index)
         self._directional = mi.Texture2f(mi.TensorXf(directional[..., None]))
@@ -114,15 +111,11 @@ class RoughReflection:
 
     def directional(self, cosine: Any, roughness: Any) -> Any:
         """Return E, what is reflected of the light along a direction."""
-        import drjit as dr
-
-        mi = start()
         column = dr.sqrt(dr.clip(cosine, 0, 1))
         return self._directional.eval(mi.Point2f(_texel(column), _texel(roughness)))[0]
 
     def mean(self, roughness: Any) -> Any:
         """Return what is reflected of uniform light, 2 ∫ E(µ) µ dµ."""
-        mi = start()
         return self._mean.eval(mi.Array1f(_texel(roughness)))[0]
 
     def eval_pdf(self, wi: Any, wo: Any, roughness: Any) -> tuple[Any, Any]:
@@ -133,9 +126,6 @@ class RoughReflection:
             wo: Local direction to the light.
             roughness: √α.
         """
-        import drjit as dr
-
-        mi = start()
         half = dr.normalize(wi + wo)
         above = (wi.z > 0) & (wo.z > 0) & (half.z > 0)
         facets = _facets(roughness)
@@ -157,9 +147,6 @@ class RoughReflection:
         Returns:
             The local direction, its density, and value over density (0 below the surface).
         """
-        import drjit as dr
-
-        mi = start()
         facets = _facets(roughness)
         half, _ = facets.sample(wi, uniform)
         wo = mi.reflect(wi, half)
@@ -168,9 +155,6 @@ class RoughReflection:
 
 
 def _facets(roughness: Any) -> Any:
-    import drjit as dr
-
-    mi = start()
     slope = dr.maximum(dr.square(roughness), _MIN_SLOPE)
     return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, slope, sample_visible=True)
 

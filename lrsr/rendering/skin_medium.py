@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.identities.head import Part
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import mi
 from lrsr.rendering.diffusion import scattering_albedo
 from lrsr.rendering.skin import Skin
 
@@ -60,7 +60,6 @@ def describe_boundary(skin: Skin) -> dict[str, Any]:
 
 def medium_parameters(skin: Skin, part: Part) -> dict[str, Any]:
     """Return what ``mi.traverse`` lists of that medium, to change a live one."""
-    mi = start()
     extinction, scattering = _medium_numbers(skin, part)
     return {
         "scale": float(extinction.max()),

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.identities.skin.tone import WAVELENGTHS_NM, skin_reflectance
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.spectra import srgb_curves, table
 
 FloatArray = NDArray[np.float64]
@@ -55,20 +55,11 @@ def _skin_curves() -> tuple[FloatArray, FloatArray]:
     return nm, np.asarray(nearest + missing @ np.linalg.solve(seen @ seen.T, seen))
 
 
-def skin_albedo(texture: NDArray[np.float32]) -> Any:
-    """Make the ``mi.Texture`` of an albedo of skin ``(H, W, 3)``, linear sRGB.
+def skin_albedo(bitmap: Any) -> Any:
+    """Make the ``mi.Texture`` of an albedo of skin from one of raw linear sRGB.
 
     ``mi.traverse`` lists its values as :data:`VALUES`.
     """
-    mi = start()
-    bitmap = mi.load_dict(
-        {
-            "type": "bitmap",
-            "bitmap": mi.Bitmap(np.array(texture, dtype=np.float32, order="C")),
-            "raw": True,
-            "wrap_mode": "clamp",
-        }
-    )
     return _texture_class()(mi.Properties(), bitmap)
 
 
@@ -77,14 +68,11 @@ VALUES = "colour.data"
 
 @cache
 def _texture_class() -> Any:
-    import drjit as dr
-
-    mi = start()
     nm, curves = _skin_curves()
     entries = mi.Float(curves.T.astype(np.float32).ravel())
     first, step, last = float(nm[0]), float(nm[1] - nm[0]), len(nm) - 1.001
 
-    class SkinAlbedo(mi.Texture):  # type: ignore[misc, name-defined]
+    class SkinAlbedo(mi.Texture):  # type: ignore[misc]
         """See the module."""
 
         def __init__(self, properties: Any, colour: Any) -> None:

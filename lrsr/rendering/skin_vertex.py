@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.rendering.diffusion import curved_gain
 from lrsr.rendering.exit_points import find_exit
 from lrsr.rendering.painted_skin import PaintedSkin
@@ -21,9 +21,6 @@ class SkinVertex:
     def __init__(
         self, tracer: PaintedSkin, scene: Any, sampler: Any, si: Any, ray: Any, skin: Any
     ) -> None:
-        import drjit as dr
-
-        mi = start()
         self._reflection = tracer.reflection
         self._skin = skin
         albedo, self._roughness = tracer.look_up(si, skin)
@@ -39,24 +36,16 @@ class SkinVertex:
         self._share = dr.select(self._view.z > 0, share, 0)
 
         profile = tracer.profile(albedo, si.wavelengths)
-        exit_ = find_exit(
-            scene,
-            sampler,
-            si,
-            side * si.sh_frame.n,
-            profile,
-            tracer.find,
-            tracer.normal_share,
-            skin,
-        )
-        bend = _curvature(si, exit_.interaction, side)
+        how = (profile, tracer.find, tracer.normal_share, skin)
+        entry, weight = find_exit(scene, sampler, si, side * si.sh_frame.n, *how)
+        bend = _curvature(si, entry, side)
         gain = curved_gain(albedo, bend * profile.mean_free_path_mm)
-        self._through = exit_.weight * albedo * gain * (1 - reflected)
+        self._through = weight * albedo * gain * (1 - reflected)
         self.enters = dr.any(self._through != 0)
         self.interaction = dr.select(
-            skin & self.enters, mi.Interaction3f(exit_.interaction), mi.Interaction3f(si)
+            skin & self.enters, mi.Interaction3f(entry), mi.Interaction3f(si)
         )
-        self._there = mi.Frame3f(side * tracer.normal(exit_.interaction, skin & self.enters))
+        self._there = mi.Frame3f(side * tracer.normal(entry, skin & self.enters))
 
     def reflect(self, direction: Any) -> tuple[Any, Any]:
         """Return the lobe times cos θ for light from there, and the density of drawing it."""
@@ -66,8 +55,6 @@ class SkinVertex:
 
     def enter(self, direction: Any) -> tuple[Any, Any]:
         """Return what of that light enters and comes back, and the density of drawing it."""
-        import drjit as dr
-
         cosine = dr.maximum(dr.dot(self._there.n, direction), 0)
         value = self._through * (self._entered(cosine) * cosine * dr.inv_pi)
         return value, (1 - self._share) * cosine * dr.inv_pi
@@ -82,9 +69,6 @@ class SkinVertex:
         Returns:
             The direction, its density, value over density, and whether skin reflected it.
         """
-        import drjit as dr
-
-        mi = start()
         mirrors = self._skin & (choice < self._share)
         out, lobe_density, lobe = self._reflection.sample(self._view, self._roughness, uniform)
         into = mi.warp.square_to_cosine_hemisphere(uniform)
@@ -101,8 +85,6 @@ class SkinVertex:
 
 def _curvature(here: Any, there: Any, side: Any) -> Any:
     """Return one over the radius of the circle through two points with their normals, mm⁻¹."""
-    import drjit as dr
-
     offset = there.p - here.p
     turned = side * dr.dot(there.sh_frame.n - here.sh_frame.n, offset)
     return turned / (dr.squared_norm(offset) + 1e-2)  # nearer than 0.1 mm it is noise

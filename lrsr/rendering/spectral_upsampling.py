@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import mi
 from lrsr.rendering.environment import (
     environment,
     hides,
@@ -37,7 +37,6 @@ def _filters(rgb: FloatArray, nm: FloatArray) -> FloatArray:
     Returns:
         ``(K, M)``, [0, 1].
     """
-    mi = start()
     fits = [np.array(mi.srgb_model_fetch(mi.ScalarColor3f(*colour))) for colour in rgb.tolist()]
     coefficients = np.array(fits, dtype=np.float64)
     polynomial = (coefficients[:, :1] * nm + coefficients[:, 1:2]) * nm + coefficients[:, 2:]

@@ -12,7 +12,7 @@ import math
 from functools import cache
 from typing import Any
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 
 _STRIP = 4
 """Rows of strata that are walked together; a packet of 8 rays then covers 2 x 4 strata."""
@@ -40,9 +40,6 @@ def order_rays(samples: int, pixels: int, seed: int) -> Any:
         pixels: Of the film.
         seed: Of the sampler.
     """
-    import drjit as dr
-
-    mi = start()
     columns, rows = grid(samples)
     given = dr.arange(mi.UInt32, samples * pixels)
     number, stream = _stream(given, samples, seed)
@@ -64,14 +61,11 @@ def stratified(samples: int, seed: int, lanes: Any) -> Any:
         seed: Of the sampler.
         lanes: Of :func:`order_rays`.
     """
-    return _sampler_class(start().variant())(samples, seed, lanes)
+    return _sampler_class(mi.variant())(samples, seed, lanes)
 
 
 def _stream(lanes: Any, samples: int, seed: int) -> tuple[Any, Any]:
     """Return which of its pixel's samples a lane is, and the seed of the pixel's permutations."""
-    import drjit as dr
-
-    mi = start()
     number = lanes - lanes // samples * samples
     first = lanes - number + dr.opaque(mi.UInt32, seed)
     return number, mi.sample_tea_32(dr.opaque(mi.UInt32, 0), first)[0]
@@ -85,11 +79,8 @@ def _cell(stratum: Any, columns: int) -> tuple[Any, Any]:
 @cache
 def _sampler_class(variant: str) -> type:
     """Make the class for a variant of Mitsuba, whose base class has one of its own."""
-    import drjit as dr
 
-    mi = start()
-
-    class Stratified(mi.Sampler):  # type: ignore[misc, name-defined]  # untyped
+    class Stratified(mi.Sampler):  # type: ignore[misc]  # untyped
         """See the module; Dr.Jit carries its arrays through loops."""
 
         def __init__(self, samples: int, seed: int, lanes: Any) -> None:

@@ -30,7 +30,7 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.rendering.exit_points import jitted
 from lrsr.rendering.painted_skin import PaintedSkin, Sampling, SkinSurface
 from lrsr.rendering.skin import Skin
@@ -40,7 +40,6 @@ from lrsr.rendering.skin_vertex import SkinVertex
 def subsurface_integrator(
     skin: Skin,
     surfaces: Sequence[SkinSurface],
-    *,
     max_depth: int = 5,
     roulette_depth: int = 2,
     sampling: Sampling | None = None,
@@ -57,35 +56,22 @@ def subsurface_integrator(
     Returns:
         ``mi.SamplingIntegrator``.
     """
-    own = _integrator_class(start().variant())
-    return own(skin, tuple(surfaces), max_depth, roulette_depth, sampling or Sampling())
+    depths = (max_depth, roulette_depth)
+    tracer = PaintedSkin(skin, tuple(surfaces), *depths, sampling or Sampling())
+    return _integrator_class(mi.variant())(tracer)
 
 
 @cache
 def _integrator_class(variant: str) -> type:
     """Make the class for a variant of Mitsuba, whose base class has one of its own."""
-    mi = start()
 
-    class SubsurfacePath(mi.SamplingIntegrator):  # type: ignore[name-defined,misc]  # untyped
-        def __init__(
-            self,
-            skin: Skin,
-            surfaces: tuple[SkinSurface, ...],
-            max_depth: int,
-            roulette_depth: int,
-            sampling: Sampling,
-        ) -> None:
+    class SubsurfacePath(mi.SamplingIntegrator):  # type: ignore[misc]  # untyped
+        def __init__(self, tracer: PaintedSkin) -> None:
             super().__init__(mi.Properties())
-            self.surfaces = surfaces
-            self.tracer = PaintedSkin(skin, surfaces, max_depth, roulette_depth, sampling)
+            self.tracer = tracer
 
         def sample(
-            self,
-            scene: Any,
-            sampler: Any,
-            ray: Any,
-            medium: Any = None,
-            active: Any = True,
+            self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
         ) -> tuple[Any, Any, list[Any]]:
             light, valid = jitted(_trace)(self.tracer, scene, sampler, ray, active)
             return light, valid, []
@@ -96,8 +82,6 @@ def _integrator_class(variant: str) -> type:
 
 def _mis(density: Any, other: Any) -> Any:
     """Return the power heuristic."""
-    import drjit as dr
-
     square = dr.square(density)
     weight = square / dr.fma(other, other, square)
     return dr.select(dr.isfinite(weight), weight, 0)
@@ -105,9 +89,6 @@ def _mis(density: Any, other: Any) -> Any:
 
 def _trace(tracer: PaintedSkin, scene: Any, sampler: Any, ray: Any, active: Any) -> tuple[Any, Any]:
     """Follow paths from the camera; the loop is Mitsuba's ``path``, its skin is ours."""
-    import drjit as dr
-
-    mi = start()
     context = mi.BSDFContext()
     ray, active = mi.Ray3f(ray), mi.Bool(active)
     si = scene.ray_intersect(ray, mi.RayFlags.All, True, active)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import dr, mi
 from lrsr.spectra import photometric_unit
 
 
@@ -17,7 +17,6 @@ def draw_wavelengths(uniform: Any, span_nm: tuple[float, float]) -> tuple[Any, A
     Returns:
         ``mi.Spectrum`` each; nm.
     """
-    mi = start()
     shortest, longest = span_nm
     wavelengths = shortest + (longest - shortest) * mi.sample_shifted(uniform)
     return mi.Spectrum(wavelengths), mi.Spectrum(longest - shortest)
@@ -34,9 +33,6 @@ def split(light: Any, wavelengths: Any, edges_nm: tuple[float, ...]) -> Iterator
     Yields:
         ``mi.Float`` in units of :func:`lrsr.spectra.daylight`.
     """
-    import drjit as dr
-
-    mi = start()
     width = edges_nm[1] - edges_nm[0]
     # Luminance is 1 of the same light here and there.
     unit = mi.MI_CIE_Y_NORMALIZATION * photometric_unit() / (width * len(wavelengths))

@@ -45,7 +45,8 @@ def shapes() -> Arrays:
         even = np.tile(colour.astype(np.float32), (4, 8, 1))
         emitter = mi.load_dict({"type": "envmap", "bitmap": mi.Bitmap(even)})
         lights.append(np.array(emitter.eval(si))[0])
-    albedo = skin_albedo(np.tile(SKIN.astype(np.float32), (2, 2, 1)))
+    texels = mi.Bitmap(np.tile(SKIN.astype(np.float32), (2, 2, 1)))
+    albedo = skin_albedo(mi.load_dict({"type": "bitmap", "bitmap": texels, "raw": True}))
     skin = np.array(albedo.eval(si))[0]
     white = mi.cie_d65(mi.Float(nm))
     seen = mi.spectrum_to_srgb(mi.Spectrum(mi.Float(skin) * white), si.wavelengths)

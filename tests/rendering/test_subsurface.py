@@ -137,7 +137,7 @@ def test_without_a_compiler_skin_is_reflective_and_that_is_said_once(
             return "scalar_rgb"
 
     live_scene._warn_of_scalar.cache_clear()
-    monkeypatch.setattr(live_scene, "start", lambda: Scalar)
+    monkeypatch.setattr(live_scene, "mi", Scalar)
     with caplog.at_level(logging.WARNING, logger=live_scene.__name__):
         assert [live_scene.LiveScene(SKINS["subsurface"])._model() for _ in range(3)] == [
             "reflective"
