@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lrsr.configuration import flag, number, run_folder, seed_of, whole_number, whole_numbers
 from lrsr.errors import InputError
+from lrsr.files import make_folder
 from lrsr.paths import cache_folder, path_if_any, user_path
 from lrsr.presets import build
 from lrsr.provenance import write_provenance
@@ -85,6 +86,7 @@ def run_render(config: "DictConfig") -> Path:
         scales=whole_numbers(config, "scales"),
         png16=flag(config, "png16"),
     )
+    make_folder(out)
     folder = render_to_folder(settings, _cache(config)).parent
     write_provenance(folder, config)
     return folder
