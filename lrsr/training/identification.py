@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from lrsr.configuration import as_number
 from lrsr.errors import InputError
-from lrsr.evaluation.delong import estimate_auc
+from lrsr.evaluation.delong import measure_auc
 from lrsr.files import write_text
 from lrsr.onnx import contract_path, sha256_of
 from lrsr.pictures.recipe import derived_seed
@@ -170,5 +170,5 @@ def verification_aucs(embedded: Mapping[str, NDArray[np.float32]]) -> dict[str, 
     for name, probes in embedded.items():
         if name != "gallery":
             scores = probes @ gallery.T
-            aucs[f"auc_{name}"] = estimate_auc(scores[genuine], scores[~genuine]).auc
+            aucs[f"auc_{name}"] = measure_auc(scores[genuine], scores[~genuine])
     return {**aucs, "auc": float(np.mean(list(aucs.values())))}

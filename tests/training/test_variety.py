@@ -63,7 +63,7 @@ def test_a_share_of_the_faces_acts() -> None:
     ("wrong", "message"),
     [
         ({"expression_share": 1.5}, "data.variety.expression_share=1.5: wanted 0 to 1"),
-        ({"named_share": -1}, "data.variety.named_share=-1 wanted 0 to 1"),
+        ({"named_share": -1}, "data.variety.named_share=-1.0: wanted 0 to 1"),
         ({"poses": []}, r"data.variety.poses=\[\]: wanted at least one"),
     ],
     ids=str,
