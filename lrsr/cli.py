@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "demo": "the whole story in minutes, into one report.html",
     "render": "probes, references and gallery into a folder",
-    "train": "sr=srcnn2x|srcnn4x or recognition=arcface",
+    "train": "sr=srcnn2x|srcnn4x|edsr2x|edsr4x or recognition=arcface",
     "eval": "an experiment: results.json, report.html",
     "identities": "contact sheet, who they are, uniqueness check",
     "fit-camera": "a camera preset from real pictures in images=DIR",
