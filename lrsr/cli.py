@@ -43,7 +43,7 @@ COMMANDS = {
 }
 """What each does; ``lrsr.tasks.run_COMMAND`` does it."""
 
-USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
+_USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
 
 usage: lrsr COMMAND [key=value ...] [--cfg job] [--multirun] [--help] [--debug]
 
@@ -104,7 +104,7 @@ def _run_or_help(words: list[str]) -> None:
     if {"-V", "--version"} & set(words):
         sys.stdout.write(f"lrsr {__version__}\n")
     elif not words or words[0] in {"-h", "--help"}:
-        sys.stdout.write(USAGE)
+        sys.stdout.write(_USAGE)
     else:
         logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(name)s: %(message)s")
         _run(words[0], words[1:])

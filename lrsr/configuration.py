@@ -15,7 +15,7 @@ from lrsr.paths import user_path
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-Schema = TypeVar("Schema")
+_Schema = TypeVar("_Schema")
 
 LARGEST_SEED = 2**32 - 1
 
@@ -44,7 +44,7 @@ def run_folder(config: "DictConfig") -> Iterator[Path]:
         yield folder
 
 
-def section(schema: type[Schema], config: "DictConfig", key: str) -> Schema:
+def section(schema: type[_Schema], config: "DictConfig", key: str) -> _Schema:
     """Read one section of a configuration into a dataclass, checking the types of its fields.
 
     Raises:

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from lrsr.errors import InputError
 from lrsr.paths import asset
 
-FIRST_NM, LAST_NM = 380.0, 730.0
+_FIRST_NM, LAST_NM = 380.0, 730.0
 """Beyond lies at most 0.02 % of D65's X, Y and Z, and nothing that a camera's filters pass."""
 
 BANDS = 35
 """Usual number: 10 nm each."""
 
-FloatArray = NDArray[np.float64]
+_FloatArray = NDArray[np.float64]
 
 _FINE = 20
 """Points at which a curve is looked at within a band."""
@@ -66,10 +66,10 @@ def band_edges(count: int) -> tuple[float, ...]:
     """
     if not 7 <= count <= 350:
         raise InputError(f"bands={count}: give 0 for three colours, or 7 to 350 spectral bands")
-    return tuple(np.linspace(FIRST_NM, LAST_NM, count + 1).round(6).tolist())
+    return tuple(np.linspace(_FIRST_NM, LAST_NM, count + 1).round(6).tolist())
 
 
-def average(curve_nm: FloatArray, curves: FloatArray, edges_nm: Sequence[float]) -> FloatArray:
+def average(curve_nm: _FloatArray, curves: _FloatArray, edges_nm: Sequence[float]) -> _FloatArray:
     """Average tabulated curves over bands; straight between their points, 0 beyond them.
 
     Args:
@@ -93,7 +93,7 @@ def average(curve_nm: FloatArray, curves: FloatArray, edges_nm: Sequence[float])
 
 
 @lru_cache(maxsize=8)
-def observer(edges_nm: tuple[float, ...]) -> FloatArray:
+def observer(edges_nm: tuple[float, ...]) -> _FloatArray:
     """Return what each band adds to X, Y and Z of the CIE 1931 observer, ``(3, N)``.
 
     Y of :func:`daylight` is 1.
@@ -103,7 +103,7 @@ def observer(edges_nm: tuple[float, ...]) -> FloatArray:
 
 
 @lru_cache(maxsize=1)
-def srgb_curves() -> FloatArray:
+def srgb_curves() -> _FloatArray:
     """Return the linear sRGB of a reflectance under D65, wavelength by wavelength, ``(3, M)``.
 
     At the wavelengths of :func:`table` "cie_1931", every 5 nm; rows sum to 1.
@@ -114,14 +114,16 @@ def srgb_curves() -> FloatArray:
 
 
 @lru_cache(maxsize=8)
-def daylight(edges_nm: tuple[float, ...]) -> FloatArray:
+def daylight(edges_nm: tuple[float, ...]) -> _FloatArray:
     """Return the bands ``(N,)`` of standard daylight D65 of luminance 1, the white of sRGB."""
     values = table("cie_1931")
     bands = average(values[0], values[4:5], edges_nm)[0]
     return np.asarray(bands / (observer(edges_nm)[1] @ bands))
 
 
-def srgb_weights(edges_nm: tuple[float, ...], white: tuple[float, ...] | None = None) -> FloatArray:
+def srgb_weights(
+    edges_nm: tuple[float, ...], white: tuple[float, ...] | None = None
+) -> _FloatArray:
     """Return what each band adds to linear sRGB, ``(3, N)``; daylight is white exactly.
 
     Args:
@@ -153,7 +155,7 @@ def photometric_unit() -> float:
 
 
 @lru_cache(maxsize=8)
-def table(name: str) -> FloatArray:
+def table(name: str) -> _FloatArray:
     """Return a table of curves: wavelengths (nm), then one row for each."""
     values = np.loadtxt(asset(f"spectra/{name}.csv"), delimiter=",", ndmin=2).T.copy()
     values.flags.writeable = False

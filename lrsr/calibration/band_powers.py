@@ -18,15 +18,15 @@ from torch.nn import functional as F
 from lrsr.camera.jpeg_tables import BLOCK_PX
 from lrsr.camera.soft_jpeg import cosine_transform
 
-MOVED_PX = 2
+_MOVED_PX = 2
 HALVES = ("dark_quiet", "dark_busy", "bright_quiet", "bright_busy")
 """Which blocks: darker or brighter than the middle one, with less or more in the band than it."""
 
 Edges = Sequence[float]
-Floats = torch.Tensor
+_Floats = torch.Tensor
 
 
-def band_powers(plane: Floats, brightness: Floats, edges: Edges, floor: float) -> Floats:
+def band_powers(plane: _Floats, brightness: _Floats, edges: Edges, floor: float) -> _Floats:
     """Return the log mean square of a plane's cosines in bands of frequency.
 
     Args:
@@ -49,19 +49,19 @@ def band_powers(plane: Floats, brightness: Floats, edges: Edges, floor: float) -
     return torch.stack(columns, 2).flatten(1).add(floor).log()
 
 
-def _cosines(plane: Floats) -> Floats:
+def _cosines(plane: _Floats) -> _Floats:
     """Return the DCT ``(B, blocks, 64)`` of overlapping blocks, row by row."""
-    blocks = plane.unfold(1, BLOCK_PX, MOVED_PX).unfold(2, BLOCK_PX, MOVED_PX)
+    blocks = plane.unfold(1, BLOCK_PX, _MOVED_PX).unfold(2, BLOCK_PX, _MOVED_PX)
     return blocks.reshape(len(plane), -1, BLOCK_PX**2) @ _BOTH_WAYS
 
 
-def _block_means(plane: Floats) -> Floats:
+def _block_means(plane: _Floats) -> _Floats:
     """Return the means ``(B, blocks)`` of the same blocks."""
-    return F.avg_pool2d(plane[:, None], BLOCK_PX, stride=MOVED_PX).flatten(1)
+    return F.avg_pool2d(plane[:, None], BLOCK_PX, stride=_MOVED_PX).flatten(1)
 
 
 @cache
-def _averages(edges: tuple[float, ...]) -> Floats:
+def _averages(edges: tuple[float, ...]) -> _Floats:
     """Return what takes the mean of 64 cosines in each band, ``(64, b)``."""
     inside = [_RADIUS.ge(low) & _RADIUS.lt(high) for low, high in pairwise(edges)]
     return torch.stack([band.double() / band.sum() for band in inside], 1)

@@ -24,11 +24,11 @@ from lrsr.camera.codec import jpeg
 from lrsr.camera.jpeg_tables import BLOCK_PX
 from lrsr.camera.soft_jpeg import SHARING
 
-AGREEING = 0.8
+_AGREEING = 0.8
 """Share of the pictures that show the common grid at least, or each is asked for its own."""
-MARGIN_PX = 4
+_MARGIN_PX = 4
 """At the border, where blocks are cut off, a picture never comes back."""
-ROUNDED = 0.6
+_ROUNDED = 0.6
 """Mean square change, levels² of 255, that rounding does not exceed."""
 _PLACES = {
     chroma: [(BLOCK_PX * x, BLOCK_PX * y) for y in range(rows) for x in range(columns)]
@@ -66,7 +66,7 @@ def estimate_compression(srgb: torch.Tensor) -> CompressionEstimate | None:
     """
     common = estimate_jpeg(srgb)
     showing = 0 if common is None else _count(srgb, [common.origin_px])
-    if showing < AGREEING * len(srgb):
+    if showing < _AGREEING * len(srgb):
         each = [(one[None], estimate_jpeg(one[None])) for one in srgb]
         seen = [(picture, found) for picture, found in each if found is not None]
         if len(seen) > max(showing, len(srgb) / 2):
@@ -116,13 +116,13 @@ def estimate_chroma(
         for right, down in places
     }
     full = "4:4:4", (x, y)
-    if changes.pop(full) < ROUNDED:
+    if changes.pop(full) < _ROUNDED:
         return full
     return min(changes, key=lambda setting: changes[setting])
 
 
 def _change(srgb: torch.Tensor, quality: int, chroma: str, origin_px: tuple[int, int]) -> float:
     """Return by how much another compression changes pictures, levels²."""
-    inner = slice(MARGIN_PX, -MARGIN_PX)
+    inner = slice(_MARGIN_PX, -_MARGIN_PX)
     again = jpeg(srgb, quality, chroma=chroma, origin_px=origin_px)
     return float((255 * (again - srgb)[..., inner, inner]).square().mean())

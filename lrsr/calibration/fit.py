@@ -54,18 +54,18 @@ from lrsr.camera.checks import check_setting
 STEPS = (0.3, 1.0)
 """Of finite differences, in units of a parameter's doubt: as long as its standard error, within
 these. A codec's rounding makes a rough ground, which long steps level."""
-SHRINKAGE = 0.3
+_SHRINKAGE = 0.3
 """Of the covariance towards its diagonal."""
 SETTLINGS = (1, 3, 3)
 """Draws of the noise for the slopes; slopes and weights are made anew as often."""
 DRAWS, GAINS = 18, (0.5, 0.25, 0.1)
 """How many steps are taken after each, and which share of a whole one each is: the smaller ones
 where the larger do not lead downhill."""
-LONGEST = 0.5
+_LONGEST = 0.5
 """A step is no longer than that in any coordinate, since slopes are those of one place."""
-JUDGES = 3
+_JUDGES = 3
 """Further draws, which tell whether the steps led downhill."""
-INTERVAL_SD = 1.96
+_INTERVAL_SD = 1.96
 """Half the width of an interval that holds 95 % of a normal variable."""
 
 
@@ -166,7 +166,7 @@ def fit_camera(
 def expected_trials(parameters: int = len(PARAMETERS), rounds: int = 12) -> int:
     """Return how often :func:`fit_camera` photographs the strangers, about: a search ends early."""
     slopes = 2 * parameters
-    settling = sum(draws * slopes + DRAWS + 2 * JUDGES for draws in SETTLINGS)
+    settling = sum(draws * slopes + DRAWS + 2 * _JUDGES for draws in SETTLINGS)
     return rounds * (slopes + 1) + settling + SETTLINGS[-1] * slopes
 
 
@@ -186,14 +186,14 @@ def _one_thread() -> Iterator[None]:
 
 def _fit(objective: Objective, rounds: int) -> Fit:
     start = np.zeros(len(objective.parameters))
-    objective.weigh(None, shrinkage=SHRINKAGE, bent=False)
+    objective.weigh(None, shrinkage=_SHRINKAGE, bent=False)
     place, steps = _descended(objective, start, rounds), np.full(len(start), STEPS[0])
     for draws in SETTLINGS:
-        objective.weigh(place, shrinkage=SHRINKAGE)
+        objective.weigh(place, shrinkage=_SHRINKAGE)
         slopes = objective.slopes(place, steps, draws)
         place = _settled(objective, place, slopes)
         steps = np.sqrt(np.diag(objective.covariance(slopes))).clip(*STEPS)
-    objective.weigh(place, shrinkage=SHRINKAGE)
+    objective.weigh(place, shrinkage=_SHRINKAGE)
     covariance = objective.covariance(objective.slopes(place, steps, SETTLINGS[-1]))
     before, after = objective.simulated(start), objective.simulated(place)
     return Fit(
@@ -251,14 +251,14 @@ def _wandered(objective: Objective, place: Floats, inverse: Floats) -> Floats:
     visited = []
     for draw in range(1, DRAWS + 1):
         step = inverse @ objective.residuals(place, draw)
-        place = (place - step / max(1.0, np.abs(step).max() / LONGEST)).clip(*objective.ranges)
+        place = (place - step / max(1.0, np.abs(step).max() / _LONGEST)).clip(*objective.ranges)
         visited.append(place)
     return np.asarray(np.mean(visited[DRAWS // 3 :], axis=0))
 
 
 def _cost(objective: Objective, place: Floats) -> float:
     """Return the square of the residuals, of draws of the noise that no step was taken on."""
-    draws = range(DRAWS + 1, DRAWS + 1 + JUDGES)
+    draws = range(DRAWS + 1, DRAWS + 1 + _JUDGES)
     mean = np.mean([objective.residuals(place, draw) for draw in draws], axis=0)
     return float(np.square(mean).sum())
 
@@ -267,11 +267,11 @@ def _fitted(parameter: Parameter, coordinate: float, doubt: float) -> Fitted:
     value, sd = parameter.value(coordinate), parameter.doubt * doubt
     if parameter.logarithmic:
         return _factor(value, sd, known=doubt < 0.5)
-    away = INTERVAL_SD * sd
+    away = _INTERVAL_SD * sd
     return Fitted(value, sd, value - away, value + away, known=doubt < 0.5)
 
 
 def _factor(value: float, sd: float, *, known: bool) -> Fitted:
     """Return a value whose logarithm has the standard error ``sd``."""
-    away = exp(INTERVAL_SD * sd)
+    away = exp(_INTERVAL_SD * sd)
     return Fitted(value, sd * value, value / away, value * away, known)

@@ -133,12 +133,12 @@ def fit_to_folder(
     page = write_finding(folder, finding, shown, settings.strangers.seed)
     if finding.refusal is not None:
         raise InputError(f"images={settings.images}: {finding.refusal} (see {page})")
-    write_text(folder / f"{settings.name}.yaml", preset_text(finding))
+    write_text(folder / f"{settings.name}.yaml", _preset_text(finding))
     logger.info("camera=%s", folder / f"{settings.name}.yaml")
     return folder
 
 
-def preset_text(finding: Finding) -> str:
+def _preset_text(finding: Finding) -> str:
     """Return a preset as YAML, headed by how well each value is known."""
     from omegaconf import OmegaConf
 

@@ -24,22 +24,22 @@ from lrsr.camera.processing import luminance
 from lrsr.camera.soft_jpeg import cosine_transform
 from lrsr.errors import ImageContractError
 
-ROUNDING = 0.4
+_ROUNDING = 0.4
 """Standard deviation of a coefficient after decoding: luminance and three colours are rounded."""
-LEAST = 1.5
+_LEAST = 1.5
 """Smaller coefficients may be rounded zeros, which say nothing about the step."""
-OUTLIERS = 0.02
+_OUTLIERS = 0.02
 """Share of coefficients that clipping has moved away from any multiple."""
-EVIDENCE = 0.05
+_EVIDENCE = 0.05
 """Mean log-likelihood ratio a coefficient, against no table at all, that a table has to reach."""
-ENOUGH = 50
+_ENOUGH = 50
 """Coefficients at least; fewer prove nothing."""
-GRIDS = tuple((x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX))
+_GRIDS = tuple((x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX))
 """Places of the first pixel within its block."""
-SAMPLE = 64
+_SAMPLE = 64
 """Coefficients of each frequency that a grid is chosen by; the quality is found with all."""
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class JpegEstimate:
 
 
 def estimate_jpeg(
-    srgb: torch.Tensor, *, grids: Sequence[tuple[int, int]] = GRIDS
+    srgb: torch.Tensor, *, grids: Sequence[tuple[int, int]] = _GRIDS
 ) -> JpegEstimate | None:
     """Find quality and grid of pictures that went through the same JPEG.
 
@@ -77,13 +77,13 @@ def estimate_jpeg(
         raise ImageContractError(f"srgb: got {tuple(srgb.shape)}, wanted H and W >= 16")
     clipped = ((srgb <= 0) | (srgb >= 1)).any(1).numpy()
     levels = luminance(srgb)[:, 0].double().mul(255).numpy() - 128
-    chances = [_likeliest(_coefficients(levels, clipped, grid), SAMPLE)[1] for grid in grids]
+    chances = [_likeliest(_coefficients(levels, clipped, grid), _SAMPLE)[1] for grid in grids]
     grid = grids[int(np.argmax(chances))]
     quality, evidence = _likeliest(_coefficients(levels, clipped, grid))
-    return JpegEstimate(quality, grid, evidence) if evidence > EVIDENCE else None
+    return JpegEstimate(quality, grid, evidence) if evidence > _EVIDENCE else None
 
 
-def _coefficients(levels: Floats, clipped: NDArray[np.bool_], grid: tuple[int, int]) -> Floats:
+def _coefficients(levels: _Floats, clipped: NDArray[np.bool_], grid: tuple[int, int]) -> _Floats:
     """Return the DCT ``(n, 8, 8)`` of every whole block without clipping, which moves them all."""
     blocks, spoilt = _blocks(levels, *grid), _blocks(clipped, *grid)
     return np.asarray(_DCT @ blocks[~spoilt.any((1, 2))] @ _DCT.T)
@@ -98,7 +98,7 @@ def _blocks(planes: NDArray[Any], x: int, y: int) -> NDArray[Any]:
     return np.asarray(blocks.reshape(-1, BLOCK_PX, BLOCK_PX))
 
 
-def _likeliest(coefficients: Floats, most: int | None = None) -> tuple[int, float]:
+def _likeliest(coefficients: _Floats, most: int | None = None) -> tuple[int, float]:
     """Return the best quality for coefficients ``(n, 8, 8)`` and its mean log-likelihood ratio.
 
     ``most``: of each frequency, that many at most are looked at.
@@ -109,17 +109,17 @@ def _likeliest(coefficients: Floats, most: int | None = None) -> tuple[int, floa
             if row == column == 0:
                 continue  # sums of clipped pixels, and no zeros to compare with
             seen = np.abs(coefficients[:, row, column])
-            seen = seen[seen > LEAST][:most]
+            seen = seen[seen > _LEAST][:most]
             count += len(seen)
             steps, of_quality = _DISTINCT[row][column]
             total[1:] += _log_ratios(seen, steps)[of_quality]
-    if count < ENOUGH:
+    if count < _ENOUGH:
         return 100, 0.0
     best = 1 + int(np.argmax(total[1:]))
     return best, float(total[best]) / count
 
 
-def _log_ratios(seen: Floats, steps: Floats) -> Floats:
+def _log_ratios(seen: _Floats, steps: _Floats) -> _Floats:
     """Return for every step how much likelier it makes these than a smooth density does.
 
     A coefficient that is not zero lies at a multiple of the step, the first or a later one, blurred
@@ -128,13 +128,13 @@ def _log_ratios(seen: Floats, steps: Floats) -> Floats:
     largest = float(seen.max(initial=0.0))
     considered = steps[:, None] <= 2 * largest + 8  # a larger step explains none of them
     multiple = np.maximum(np.rint(seen / steps[:, None]), 1)
-    miss = (seen - multiple * steps[:, None]) / ROUNDING
-    likely = steps[:, None] * np.exp(-0.5 * miss**2) / (ROUNDING * math.sqrt(2 * math.pi))
-    ratios = np.log((1 - OUTLIERS) * np.where(considered, likely, 0.0) + OUTLIERS)
+    miss = (seen - multiple * steps[:, None]) / _ROUNDING
+    likely = steps[:, None] * np.exp(-0.5 * miss**2) / (_ROUNDING * math.sqrt(2 * math.pi))
+    ratios = np.log((1 - _OUTLIERS) * np.where(considered, likely, 0.0) + _OUTLIERS)
     return np.asarray(ratios.sum(axis=1))
 
 
-_DCT: Floats = cosine_transform().numpy()
+_DCT: _Floats = cosine_transform().numpy()
 _STEPS = np.stack([luminance_table(quality) for quality in range(1, 101)])
 # Of each frequency, the steps that occur (fewer than there are qualities) and each quality's.
 _DISTINCT = [

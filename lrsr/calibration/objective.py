@@ -19,11 +19,11 @@ from lrsr.errors import InputError
 
 LEAST_IMAGES = 20
 """Pictures at least, to tell how much people differ."""
-MODEL_ERROR = 0.02
+_MODEL_ERROR = 0.02
 """Standard deviation that no statistic is believed beyond, in units of its spread over pictures."""
-LEAST_VARIANCE = 1e-6
+_LEAST_VARIANCE = 1e-6
 """Of a statistic that is the same in all pictures."""
-FOLDS = 10
+_FOLDS = 10
 """Of the people: what chance does is told by people whom the weights were not made from. There are
 more statistics than people at times; among their own makers such weights see too little chance."""
 
@@ -83,14 +83,14 @@ class Objective:
         pooled = self._real - self.measured if place is None else self._pooled(place)
         people = pooled[:, self._used]
         exact = 1 / len(self._real) + 1 / self.strangers
-        self._known: Floats = exact * LEAST_VARIANCE + MODEL_ERROR**2 * _variance(people)
+        self._known: Floats = exact * _LEAST_VARIANCE + _MODEL_ERROR**2 * _variance(people)
         self.spread: Floats = np.sqrt(exact * _variance(people) + self._known)
         self._whiten = self._whitening(people, shrinkage, exact)
         self._left_out: list[tuple[Floats, Floats]] = []
         scale = np.sqrt(exact * len(people) / (len(people) - 2))  # two means were taken off
-        for k in range(FOLDS):
-            whiten = self._whitening(np.delete(people, np.s_[k::FOLDS], 0), shrinkage, exact)
-            self._left_out.append((scale * people[k::FOLDS] / np.sqrt(len(people)), whiten))
+        for k in range(_FOLDS):
+            whiten = self._whitening(np.delete(people, np.s_[k::_FOLDS], 0), shrinkage, exact)
+            self._left_out.append((scale * people[k::_FOLDS] / np.sqrt(len(people)), whiten))
 
     def simulated(self, place: Floats, draw: int = 0) -> Floats:
         """Return the means ``(S,)`` at coordinates ``(P,)``, of one draw of the noise."""
@@ -190,7 +190,7 @@ class Objective:
 
 
 def _variance(people: Floats) -> Floats:
-    return np.asarray(np.square(people).sum(0) / (len(people) - 1)).clip(LEAST_VARIANCE)
+    return np.asarray(np.square(people).sum(0) / (len(people) - 1)).clip(_LEAST_VARIANCE)
 
 
 def _enough(srgb: torch.Tensor, what: str) -> None:

@@ -66,7 +66,7 @@ PARAMETERS = (
 )
 NAMES = tuple(parameter.name for parameter in PARAMETERS)
 
-MTF_CYCLES = 0.1
+_MTF_CYCLES = 0.1
 """Where the lens's blur is compared with a Gaussian's, cycles a pixel: below any zero."""
 
 _NEEDED = ("optics", "colour", "sensor", "processing")
@@ -189,7 +189,7 @@ def lens_blur_px(camera: Camera) -> float:
         supersampling=camera.supersampling, field_mm=camera.field_mm
     )[0, 1].double()
     at = torch.arange(len(kernel), dtype=torch.float64) - len(kernel) // 2
-    wave = torch.cos(2 * torch.pi * MTF_CYCLES / camera.supersampling * at)
+    wave = torch.cos(2 * torch.pi * _MTF_CYCLES / camera.supersampling * at)
     transfer = float((kernel.sum(0) @ wave + kernel.sum(1) @ wave) / 2)
     check_setting("blur", transfer, transfer > 0.01, "a lens with some contrast at 0.1 cycles/px")
-    return float(np.sqrt(-2 * np.log(min(transfer, 1.0))) / (2 * np.pi * MTF_CYCLES))
+    return float(np.sqrt(-2 * np.log(min(transfer, 1.0))) / (2 * np.pi * _MTF_CYCLES))

@@ -37,16 +37,16 @@ from lrsr.camera.processing import luminance
 from lrsr.errors import ImageContractError
 from lrsr.images import srgb_to_linear
 
-SMALLEST_PX = 12
+_SMALLEST_PX = 12
 """Side of the middle part at least: fewer frequencies than rings otherwise."""
 RINGS = (0.06, 0.12, 0.18, 0.24, 0.3, 0.36, 0.42, 0.5, 0.75)
 """Edges of the rings of spatial frequency, cycles a pixel."""
-QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 RANGES = 4
 """Ranges of brightness, each a quarter of the pixels."""
-ROUNDING = 1 / 12
+_ROUNDING = 1 / 12
 """Variance that rounding to 8 bits leaves, levels²: the least a variance can mean anything."""
-BANDS = {
+_BANDS = {
     "luma": (0.5, 1.2, 2.3, 3.3, 4.5, 6.0, 8.0, 10.0),
     "red": (0.5, 1.2, 2.3, 4.5, 10.0),
     "blue": (0.5, 1.2, 2.3, 4.5, 10.0),
@@ -63,17 +63,17 @@ _BENT = (
 _COLOURS = ("correlation_red_blue", "slope_red_luma", "slope_blue_luma", "spread_luma", *_BENT)
 _BLOCKS = {
     f"cosines of {plane}": [f"log_band_{plane}_{low:g}_{high:g}_" for low, high in pairwise(edges)]
-    for plane, edges in BANDS.items()
+    for plane, edges in _BANDS.items()
 }
 _PLANES = ("luminance", "red", "blue")
 GROUPS = {
     "spectrum": tuple(f"log_power_{low:g}_{high:g}" for low, high in pairwise(RINGS)),
-    "noise": tuple(f"log_noise_{plane}_{k}" for plane in BANDS for k in range(1, RANGES + 1)),
+    "noise": tuple(f"log_noise_{plane}_{k}" for plane in _BANDS for k in range(1, RANGES + 1)),
     **{
         group: tuple(one + half for one in ones for half in HALVES)
         for group, ones in _BLOCKS.items()
     },
-    "quantiles": tuple(f"{what}_{100 * q:g}" for what in _PLANES for q in QUANTILES),
+    "quantiles": tuple(f"{what}_{100 * q:g}" for what in _PLANES for q in _QUANTILES),
     "colours": _COLOURS,
 }
 """Names of the columns of :func:`describe`, by what they tell of."""
@@ -109,7 +109,7 @@ def describe(srgb: torch.Tensor, part: float = 0.75) -> torch.Tensor:
     columns = [
         _ring_powers(luma),
         *(_noise(plane, luma) for plane in planes.values()),
-        *(band_powers(planes[what], luma, edges, ROUNDING) for what, edges in BANDS.items()),
+        *(band_powers(planes[what], luma, edges, _ROUNDING) for what, edges in _BANDS.items()),
         *(_quantiles(plane) for plane in planes.values()),
         _together(**planes),
         _colours(middle, luma),
@@ -172,9 +172,9 @@ def crop(images: torch.Tensor, part: float) -> torch.Tensor:
     number("part", part, "a share > 0 to 1", above=0, high=1)
     height, width = images.shape[-2:]
     tall, wide = (round(part * side) for side in (height, width))
-    if min(tall, wide) < SMALLEST_PX:
+    if min(tall, wide) < _SMALLEST_PX:
         raise ImageContractError(
-            f"pictures of {width} x {height} px: their middle {part:g} is under {SMALLEST_PX} px; "
+            f"pictures of {width} x {height} px: their middle {part:g} is under {_SMALLEST_PX} px; "
             "take larger ones or more of them"
         )
     top, left = (height - tall) // 2, (width - wide) // 2
@@ -190,7 +190,7 @@ def _ring_powers(luma: torch.Tensor) -> torch.Tensor:
     rows, columns = (torch.fft.fftfreq(side, dtype=torch.float64) for side in (height, width))
     radius = torch.hypot(rows[:, None], columns[None])
     rings = [power[:, (radius >= low) & (radius < high)].mean(1) for low, high in pairwise(RINGS)]
-    return torch.stack(rings, 1).add(ROUNDING).log()
+    return torch.stack(rings, 1).add(_ROUNDING).log()
 
 
 def _hann(side: int) -> torch.Tensor:
@@ -208,24 +208,24 @@ def _noise(signal: torch.Tensor, luma: torch.Tensor) -> torch.Tensor:
         smooth = group.sort(dim=1).values[:, : group.shape[1] // 2]
         # Of a normal variable, the smaller half of the squares has the mean 0.1426 of all.
         variances.append(smooth.mean(1) / 0.1426)
-    return torch.stack(variances, 1).add(ROUNDING).log()
+    return torch.stack(variances, 1).add(_ROUNDING).log()
 
 
 def _colours(srgb: torch.Tensor, luma: torch.Tensor) -> torch.Tensor:
     red, green, blue = srgb_to_linear(srgb).mean((2, 3)).add(1e-4).log().unbind(1)
-    spread = (255 * srgb[:, (0, 2)] - luma[:, None]).std((2, 3)).square().add(ROUNDING).log() / 2
+    spread = (255 * srgb[:, (0, 2)] - luma[:, None]).std((2, 3)).square().add(_ROUNDING).log() / 2
     return torch.stack([red - green, blue - green, spread[:, 0], spread[:, 1]], 1)
 
 
 def _quantiles(plane: torch.Tensor) -> torch.Tensor:
-    return plane.flatten(1).quantile(torch.tensor(QUANTILES, dtype=torch.float64), dim=1).T
+    return plane.flatten(1).quantile(torch.tensor(_QUANTILES, dtype=torch.float64), dim=1).T
 
 
 def _together(luma: torch.Tensor, red: torch.Tensor, blue: torch.Tensor) -> torch.Tensor:
     """Return how the planes go together, ``(B, 4)``."""
     light, r, b = (plane.flatten(1) - plane.mean((1, 2))[:, None] for plane in (luma, red, blue))
-    power = light.square().mean(1).add(ROUNDING)
-    colours = (r.square().mean(1).add(ROUNDING) * b.square().mean(1).add(ROUNDING)).sqrt()
+    power = light.square().mean(1).add(_ROUNDING)
+    colours = (r.square().mean(1).add(_ROUNDING) * b.square().mean(1).add(_ROUNDING)).sqrt()
     slopes = [(plane * light).mean(1) / power for plane in (r, b)]
     return torch.stack([(r * b).mean(1) / colours, *slopes, power.sqrt()], 1)
 

@@ -19,10 +19,10 @@ from lrsr.camera.jpeg_tables import BLOCK_PX
 from lrsr.errors import InputError
 from lrsr.pictures.image_files import SUFFIXES, read_image
 
-LEAST_PX, MOST_PX = 2 * BLOCK_PX, 256
+_LEAST_PX, MOST_PX = 2 * BLOCK_PX, 256
 """Of a side: fewer hold no whole block, more are no small faces (200 films of them fill memory)."""
 
-NEAR_LEVELS = 1.5
+_NEAR_LEVELS = 1.5
 """Root mean square difference, levels in 8 x 8 parts, below which pictures are of one shot."""
 
 logger = logging.getLogger(__name__)
@@ -155,7 +155,7 @@ def _warn_of_near_copies(folder: Path, srgb: torch.Tensor) -> None:
     """Tell of pictures that look like frames of one shot: people differ more than that."""
     coarse = 255 * F.adaptive_avg_pool2d(srgb, 8).flatten(1)
     apart = torch.cdist(coarse, coarse) / coarse.shape[1] ** 0.5
-    near = int((apart.fill_diagonal_(math.inf).amin(1) < NEAR_LEVELS).sum())
+    near = int((apart.fill_diagonal_(math.inf).amin(1) < _NEAR_LEVELS).sum())
     if near:
         told = f"{near} of {len(srgb)} pictures hardly differ from another one"
         why = "frames of one shot are no different people, and errors will seem too small"
@@ -166,9 +166,9 @@ def _check_sizes(pictures: dict[Path, torch.Tensor]) -> None:
     sizes = Counter(tuple(picture.shape[1:]) for picture in pictures.values())
     if len(sizes) == 1:
         height, width = next(iter(sizes))
-        if not LEAST_PX <= min(height, width) <= max(height, width) <= MOST_PX:
+        if not _LEAST_PX <= min(height, width) <= max(height, width) <= MOST_PX:
             raise InputError(
-                f"{next(iter(pictures))} has {width} x {height} px: sides of {LEAST_PX} to "
+                f"{next(iter(pictures))} has {width} x {height} px: sides of {_LEAST_PX} to "
                 f"{MOST_PX} px are fitted; cut out the faces (do not rescale them)"
             )
         return

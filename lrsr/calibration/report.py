@@ -21,17 +21,17 @@ from lrsr.files import write_bytes, write_json
 from lrsr.pages import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes, write_page
 from lrsr.provenance import versions
 
-SHOWN = 8
+_SHOWN = 8
 """Faces of each kind: the first ones, not chosen."""
 
-DONE = (
+_DONE = (
     "Rendered people, other than those of the pictures, were photographed with trial cameras until "
     "the means of the statistics below agreed with those of the pictures (method of simulated "
     "moments).",
     "JPEG quality, grid and chroma sub-sampling were found first: from the headers of JPEG files, "
     "else from the combs in the histograms of DCT coefficients.",
 )
-NOT_DONE = (
+_NOT_DONE = (
     "The pictures are not compared one by one: nobody knows what they should look like.",
     "Exposure is known only together with the albedo of the people in the pictures, contrast with "
     "their lighting; the cast is relative to the rendered population's skin, hair and light.",
@@ -111,13 +111,13 @@ def write_finding(
         answer=_answer(finding),
         figure=data_uri(figure),
         columns={
-            label: [encode_face(face) for face in column[:SHOWN].numpy()]
+            label: [encode_face(face) for face in column[:_SHOWN].numpy()]
             for label, column in pictures.items()
         },
         fit=fit,
         statistics=rows,
-        done=DONE,
-        not_done=NOT_DONE,
+        done=_DONE,
+        not_done=_NOT_DONE,
         versions=versions(),
         seed=seed,
     )

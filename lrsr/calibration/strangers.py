@@ -14,7 +14,7 @@ from lrsr.pictures.render import filmed, load_radiances, render_missing
 from lrsr.pictures.sitting import Sitting
 from lrsr.rendering.scene import Film
 
-DRAW_SEEDS = 1_000_003
+_DRAW_SEEDS = 1_000_003
 """From the seeds of one draw of the noise to those of the next: more than there are people."""
 
 
@@ -51,7 +51,7 @@ class Strangers:
             who: Numbers of those who are photographed; everybody if None.
         """
         people = list(range(len(self.linear)) if who is None else who)
-        seeds = [self.seed + k + draw * DRAW_SEEDS for k in people]
+        seeds = [self.seed + k + draw * _DRAW_SEEDS for k in people]
         with torch.no_grad():
             pictures: torch.Tensor = camera(self.linear[people], self.metered[people], seeds)
         return pictures

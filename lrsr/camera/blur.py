@@ -11,13 +11,13 @@ from lrsr.camera.diffraction import airy_kernel, diffraction_length_um
 from lrsr.camera.pupil import pupil_kernel
 from lrsr.errors import InputError
 
-TAIL = 16
+_TAIL = 16
 """How far kernels reach beyond the geometric blur, in λ / (2A): 98.7 % of an Airy disk's light."""
-STEP = 8
+_STEP = 8
 """Pupils have multiples of so many samples: their Fourier transforms are fast."""
-WAVES = ("spherical_waves", "coma_waves", "astigmatism_waves", "curvature_waves")
+_WAVES = ("spherical_waves", "coma_waves", "astigmatism_waves", "curvature_waves")
 """Seidel's aberrations, in the order of :class:`lrsr.camera.aberrations.Seidel`."""
-MAX_PUPIL = 1024
+_MAX_PUPIL = 1024
 """Samples across the pupil at most: enough for 120 waves of defocus."""
 
 
@@ -59,7 +59,7 @@ class Blur:
         check_positive(f_number=self.f_number, focal_mm=self.focal_mm)
         for wavelength in self.wavelengths_nm:
             check_positive(wavelengths_nm=wavelength)
-        for name in ("defocus_um", *WAVES):
+        for name in ("defocus_um", *_WAVES):
             number(name, getattr(self, name), "a number")
 
     @property
@@ -112,8 +112,8 @@ class Blur:
             (0, 56)
         """
         slope = max(front.steepest() for front in self._wavefronts())
-        size = STEP * math.ceil((4 * slope + 3 * TAIL) / STEP)
-        if size > MAX_PUPIL:
+        size = _STEP * math.ceil((4 * slope + 3 * _TAIL) / _STEP)
+        if size > _MAX_PUPIL:
             raise InputError(
                 f"a blur of {slope:.3g} waves per pupil radius is too wide to compute: give less "
                 "defocus or aberration"
@@ -126,11 +126,11 @@ class Blur:
         for nm, axial_um in zip(self.wavelengths_nm, self.axial_colour_um, strict=True):
             scale = self.wavelengths_nm[len(self.wavelengths_nm) // 2] / nm
             defocus = defocus_waves(self.defocus_um + axial_um, self.f_number, nm)
-            fronts.append(Seidel(defocus, *(getattr(self, name) * scale for name in WAVES)))
+            fronts.append(Seidel(defocus, *(getattr(self, name) * scale for name in _WAVES)))
         return fronts
 
     def _radius_px(self, size: int, pitch_um: float) -> int:
         """Return how far kernels reach: the geometric blur and the tail of diffraction."""
-        slope = max(0, size - 3 * TAIL) / 4
+        slope = max(0, size - 3 * _TAIL) / 4
         unit = diffraction_length_um(self.f_number, max(self.wavelengths_nm))
-        return math.ceil((2 * slope + TAIL) * unit / pitch_um)
+        return math.ceil((2 * slope + _TAIL) * unit / pitch_um)

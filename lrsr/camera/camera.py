@@ -30,8 +30,8 @@ from lrsr.errors import InputError
 from lrsr.images import check_images
 from lrsr.spectra import BANDS, Spectrum
 
-CODECS = ("true", "differentiable")
-SUPERSAMPLINGS = (1, 2, 4)
+_CODECS = ("true", "differentiable")
+_SUPERSAMPLINGS = (1, 2, 4)
 STAGES: dict[str, tuple[type[nn.Module], ...]] = {
     "optics": (Optics,),
     "colour": (Colour, SpectralColour),
@@ -110,13 +110,13 @@ class Camera(nn.Module):
     ) -> None:
         super().__init__()
         self.compression = check_choice("compression", compression, COMPRESSIONS)
-        self.codec = check_choice("codec", codec, CODECS)
+        self.codec = check_choice("codec", codec, _CODECS)
         check_setting("name", name, isinstance(name, str), "a word")
         self.quality, self.name = COMPRESSIONS[compression], name
         self.exposure_ev = number("exposure_ev", exposure_ev, "-100..100", low=-100, high=100)
-        wish = f"one of {SUPERSAMPLINGS}"
+        wish = f"one of {_SUPERSAMPLINGS}"
         self.supersampling = whole("supersampling", supersampling, wish, low=1)
-        check_setting("supersampling", supersampling, supersampling in SUPERSAMPLINGS, wish)
+        check_setting("supersampling", supersampling, supersampling in _SUPERSAMPLINGS, wish)
         self.optics, self.colour, self.mosaic = optics, colour, mosaic
         self.sensor, self.processing, self.stored = sensor, processing, stored
         for stage, kinds in STAGES.items():

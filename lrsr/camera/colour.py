@@ -15,7 +15,7 @@ from torch import nn
 from lrsr.camera.checks import check_light, check_setting, numbers
 from lrsr.spectra import Spectrum
 
-Matrix = Sequence[Sequence[float]]
+_Matrix = Sequence[Sequence[float]]
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -42,11 +42,11 @@ class Colour(nn.Module):
 
     def __init__(
         self,
-        responses: Matrix = IDENTITY,
+        responses: _Matrix = IDENTITY,
         *,
         cast: Sequence[float] = (1.0, 1.0, 1.0),
         white_balance: Sequence[float] | None = None,
-        matrix: Matrix | None = None,
+        matrix: _Matrix | None = None,
     ) -> None:
         super().__init__()
         seen = _matrix("responses", responses)
@@ -87,7 +87,7 @@ class Colour(nn.Module):
         return mix((raw * gains[:, None, None]).clamp_max(1.0), self.matrix)
 
 
-def mix(linear: torch.Tensor, matrix: Matrix) -> torch.Tensor:
+def mix(linear: torch.Tensor, matrix: _Matrix) -> torch.Tensor:
     """Multiply each pixel of ``(B, 3, H, W)`` by a ``(3, 3)`` matrix.
 
     Raises:
@@ -103,7 +103,7 @@ def mix(linear: torch.Tensor, matrix: Matrix) -> torch.Tensor:
     return torch.stack([row[0] * red + row[1] * green + row[2] * blue for row in matrix], 1)
 
 
-def _matrix(name: str, rows: Matrix) -> torch.Tensor:
+def _matrix(name: str, rows: _Matrix) -> torch.Tensor:
     wish = "three rows of three numbers"
     listed = isinstance(rows, Iterable) and not isinstance(rows, str)
     check_setting(name, rows, listed and len(rows) == 3, wish)

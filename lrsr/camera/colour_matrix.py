@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from lrsr.errors import InputError
 from lrsr.spectra import srgb_weights
 
-FloatArray = NDArray[np.float64]
+_FloatArray = NDArray[np.float64]
 
 
-def fit_matrix(balanced: FloatArray, wanted: FloatArray) -> FloatArray:
+def fit_matrix(balanced: _FloatArray, wanted: _FloatArray) -> _FloatArray:
     """Return the matrix that takes sensor colours nearest to wanted ones and white to white.
 
     Args:
@@ -41,8 +41,8 @@ def fit_matrix(balanced: FloatArray, wanted: FloatArray) -> FloatArray:
 
 
 def observed(
-    edges_nm: tuple[float, ...], white: FloatArray, reflectances: FloatArray
-) -> FloatArray:
+    edges_nm: tuple[float, ...], white: _FloatArray, reflectances: _FloatArray
+) -> _FloatArray:
     """Return linear sRGB ``(K, 3)`` as the standard observer, adapted to the light, sees it.
 
     Args:

@@ -28,7 +28,7 @@ from lrsr.camera.vignetting import Vignetting
 from lrsr.camera.warp import Warp
 from lrsr.errors import ImageContractError, InputError
 
-VIEWS = ("facing", "planar")
+_VIEWS = ("facing", "planar")
 
 
 def bin_pixels(film: torch.Tensor, supersampling: int) -> torch.Tensor:
@@ -118,7 +118,7 @@ class Optics(nn.Module):
         check_positive(pitch_um=pitch_um, focal_mm=focal_mm, field_radius_mm=field_radius_mm)
         if f_number is not None:
             check_positive(f_number=f_number)
-        check_setting("view", view, view in VIEWS, " or ".join(VIEWS))
+        check_setting("view", view, view in _VIEWS, " or ".join(_VIEWS))
         self.pitch_um, self.field_radius_mm = float(pitch_um), float(field_radius_mm)
         k1, k2 = numbers("distortion", distortion, 2)
         lens = Distortion(k1, k2, float(focal_mm), float(field_radius_mm), facing=view == "facing")

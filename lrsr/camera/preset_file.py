@@ -19,7 +19,7 @@ from torch import nn
 from lrsr.camera.camera import STAGES, Camera
 from lrsr.errors import InputError
 
-LARGEST_BYTES = 2**16
+_LARGEST_BYTES = 2**16
 """A camera with every setting and its comments has a few thousand."""
 
 _CLASSES: list[type[nn.Module]] = [Camera, *(kind for kinds in STAGES.values() for kind in kinds)]
@@ -77,7 +77,7 @@ def _parsed(path: Path) -> dict[str, Any]:
     """
     try:
         content = path.read_bytes()
-        if len(content) > LARGEST_BYTES:
+        if len(content) > _LARGEST_BYTES:
             raise InputError(f"{len(content)} bytes are too many for a camera; {_REMEDY}")
         for event in yaml.parse(content, Loader=yaml.SafeLoader):
             if isinstance(event, yaml.AliasEvent):

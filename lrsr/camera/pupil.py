@@ -7,7 +7,7 @@ import torch
 from lrsr.camera.checks import check_positive
 from lrsr.camera.diffraction import diffraction_length_um
 
-CHUNK_SAMPLES = 2**20
+_CHUNK_SAMPLES = 2**20
 """Samples of pupils that are transformed at a time, some tens of MB."""
 
 
@@ -61,7 +61,7 @@ def pupil_kernel(
     size = waves.shape[-1]
     pitch = pitch_um / diffraction_length_um(f_number, wavelength_nm)
     weights = _pixel_weights(size, pitch, radius_px).to(waves)
-    few = max(1, CHUNK_SAMPLES // size**2)
+    few = max(1, _CHUNK_SAMPLES // size**2)
     fronts = torch.split(waves.reshape(-1, size, size), few)
     parts = [weights @ _intensity(front) @ weights.T for front in fronts]
     side = len(weights)

@@ -3,7 +3,7 @@
 import torch
 from torch.nn import functional as F
 
-FEW, MANY = 8, 64
+_FEW, MANY = 8, 64
 """Images looked at together, each in its own places or all in the same: what caches hold."""
 
 
@@ -46,7 +46,7 @@ def sample_bicubic(images: torch.Tensor, points_px: torch.Tensor) -> torch.Tenso
     """
     if len(points_px) == 1:
         return _sample_alike(images, points_px[0])
-    parts = zip(torch.split(images, FEW), torch.split(points_px, FEW), strict=True)
+    parts = zip(torch.split(images, _FEW), torch.split(points_px, _FEW), strict=True)
     return torch.cat([_sample_each(*part) for part in parts])
 
 

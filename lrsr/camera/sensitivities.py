@@ -23,7 +23,7 @@ from lrsr.spectra import average, daylight
 FloatArray = NDArray[np.float64]
 Per = Literal["energy", "quanta"]
 
-DAYLIGHT_LEVELS = {"nikon_d5100": (0.441, 1.0, 0.821)}
+_DAYLIGHT_LEVELS = {"nikon_d5100": (0.441, 1.0, 0.821)}
 """What white in daylight D65 gives in red, green and blue, the strongest 1, of cameras by name: the
 published curves of the D5100 are each scaled to a peak of 1, so these come from the colour matrix
 that Adobe's DNG converter and dcraw hold for it (XYZ of D65 to raw, divided by green)."""
@@ -90,12 +90,12 @@ def find_sensitivities(name: str, per: Per = "energy") -> Sensitivities:
         [595.0, 530.0, 460.0]
     """
     check_setting("sensitivities", name, isinstance(name, str), "a camera's name or a .csv file")
-    if name in DAYLIGHT_LEVELS:
+    if name in _DAYLIGHT_LEVELS:
         table = _read(asset(f"spectra/{name}.csv"))
-        return Sensitivities(name, table[0], table[1:], "energy", DAYLIGHT_LEVELS[name])
+        return Sensitivities(name, table[0], table[1:], "energy", _DAYLIGHT_LEVELS[name])
     file = Path(name).expanduser()
     if not file.is_file():
-        known = ", ".join(DAYLIGHT_LEVELS)
+        known = ", ".join(_DAYLIGHT_LEVELS)
         raise InputError(f"sensitivities={name}: give one of {known}, or a .csv file")
     table = _read(file)
     if len(table) != 4:

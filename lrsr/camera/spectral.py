@@ -23,7 +23,7 @@ from lrsr.camera.sensitivities import FloatArray, Per, colorchecker, find_sensit
 from lrsr.errors import InputError
 from lrsr.spectra import BANDS, Spectrum, daylight, srgb_weights
 
-Balance = Literal["scene", "daylight"]
+_Balance = Literal["scene", "daylight"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +59,12 @@ class SpectralColour(nn.Module):
         sensitivities: str = "nikon_d5100",
         *,
         per: Per = "energy",
-        balance: Balance = "scene",
+        balance: _Balance = "scene",
         cast: Sequence[float] = (1.0, 1.0, 1.0),
     ) -> None:
         super().__init__()
         self.sensitivities = find_sensitivities(sensitivities, per)
-        self.balance = check_choice("balance", balance, get_args(Balance))
+        self.balance = check_choice("balance", balance, get_args(_Balance))
         self.cast = numbers("cast", cast, 3, "three gains > 0", above=0)
 
     def filter(self, bands: torch.Tensor, spectrum: Spectrum | None) -> torch.Tensor:

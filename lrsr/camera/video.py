@@ -25,7 +25,7 @@ from lrsr.camera.checks import check_choice, check_origin, check_setting, check_
 from lrsr.camera.codec import jpeg_differentiable
 from lrsr.images import check_images
 
-CODECS = {"h264": ("libx264", "yuv420p"), "mjpeg": ("mjpeg", "yuvj422p")}
+_CODECS = {"h264": ("libx264", "yuv420p"), "mjpeg": ("mjpeg", "yuvj422p")}
 """Encoders of FFmpeg, and the samples of colour that cameras give them."""
 
 STAND_IN = {
@@ -35,7 +35,7 @@ STAND_IN = {
 """JPEG quality of equal loss, by constant rate factor: measured on four rendered faces of 52 pixels
 a side without noise; in between it is interpolated."""
 
-STAND_IN_CHROMA = {"h264": "4:2:0", "mjpeg": "4:2:2"}
+_STAND_IN_CHROMA = {"h264": "4:2:0", "mjpeg": "4:2:2"}
 
 _MACROBLOCK_PX = 16
 _GREY = 0.5
@@ -76,7 +76,7 @@ class Video(nn.Module):
         surround: str = "grey",
     ) -> None:
         super().__init__()
-        self.codec = check_choice("codec", codec, CODECS)
+        self.codec = check_choice("codec", codec, _CODECS)
         low, high = (0, 51) if codec == "h264" else (2, 31)
         self.crf = whole("crf", crf, f"{low}..{high}", low=low, high=high)
         self.bit_rate_kbps = bit_rate_kbps
@@ -85,7 +85,7 @@ class Video(nn.Module):
             self.bit_rate_kbps = number("bit_rate_kbps", bit_rate_kbps, wish, above=0)
         self.frames = whole("frames", frames, "a whole number >= 1", low=1)
         self.frames_per_s = whole("frames_per_s", frames_per_s, "a whole number >= 1", low=1)
-        self.speed = check_choice("speed", speed, SPEEDS)
+        self.speed = check_choice("speed", speed, _SPEEDS)
         self.margin_px = whole("margin_px", margin_px, "a whole number >= 0", low=0)
         check_setting("surround", surround, surround in {"grey", "edge"}, "grey or edge")
         self.surround = surround
@@ -114,7 +114,7 @@ class Video(nn.Module):
         for frame in frames:
             check_images(check_srgb(frame), name="srgb")
         if differentiable:
-            quality, chroma = self.stand_in_quality, STAND_IN_CHROMA[self.codec]
+            quality, chroma = self.stand_in_quality, _STAND_IN_CHROMA[self.codec]
             return jpeg_differentiable(frames[-1], quality, chroma=chroma, origin_px=origin_px)
         size = frames.shape[-2:]
         played = []
@@ -137,7 +137,7 @@ class Video(nn.Module):
         Returns:
             A packet for each frame.
         """
-        name, pixel_format = CODECS[self.codec]
+        name, pixel_format = _CODECS[self.codec]
         encoder = av.CodecContext.create(name, "w")
         encoder.height, encoder.width = frames.shape[1:3]
         encoder.pix_fmt, encoder.thread_count = pixel_format, 1
@@ -178,7 +178,7 @@ class Video(nn.Module):
         return frame, x, y
 
 
-SPEEDS = ("ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow", "veryslow")
+_SPEEDS = ("ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow", "veryslow")
 
 
 def play(packets: Sequence[bytes], codec: str) -> list[tuple[np.ndarray, str]]:

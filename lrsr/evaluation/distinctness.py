@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 Drawn = tuple[int, int]
 """Index of an identity, and how often it was redrawn."""
 
@@ -139,7 +139,7 @@ def draw_distinct(
     """
     if most_redraws < 0:
         raise ValueError(f"most_redraws must be >= 0, got {most_redraws}")
-    known: dict[Drawn, Floats] = {}
+    known: dict[Drawn, _Floats] = {}
     wanted: list[Drawn] = [(index, 0) for index in indices]
     outcome = Distinct((), (), ())
     while wanted:
@@ -150,7 +150,7 @@ def draw_distinct(
 
 
 def _decide(
-    indices: Sequence[int], known: Mapping[Drawn, Floats], angle_deg: float, most: int
+    indices: Sequence[int], known: Mapping[Drawn, _Floats], angle_deg: float, most: int
 ) -> tuple[Distinct, list[Drawn]]:
     """Settle everyone in order with what is known; return the outcome and who must be drawn."""
     accepted = np.empty((len(indices), next(iter(known.values())).size))
@@ -180,24 +180,24 @@ def _decide(
     return Distinct(tuple(draws), tuple(unresolved), tuple(rejected)), wanted
 
 
-def _nearest(row: Floats, others: Floats) -> tuple[int, float]:
+def _nearest(row: _Floats, others: _Floats) -> tuple[int, float]:
     """Return who of the others is nearest, and the angle, degrees; 180 if there is nobody."""
     cosines = np.nan_to_num(others @ row, nan=-1.0) if len(others) else -np.ones(1)
     nearest = int(np.argmax(cosines))
     return nearest, float(_degrees(cosines[nearest]))
 
 
-def _blocks(rows: Floats) -> Iterator[tuple[int, Floats]]:
+def _blocks(rows: _Floats) -> Iterator[tuple[int, _Floats]]:
     """Yield the cosines of some rows with all, and the number of the first of them."""
     for start in range(0, len(rows), _ROWS):
         yield start, rows[start : start + _ROWS] @ rows.T
 
 
-def _degrees(cosines: Floats) -> Floats:
+def _degrees(cosines: _Floats) -> _Floats:
     return np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
 
 
-def unit_rows(embeddings: ArrayLike) -> Floats:
+def unit_rows(embeddings: ArrayLike) -> _Floats:
     """Divide each row by its length, in double precision.
 
     Args:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from lrsr.errors import ImageContractError
 from lrsr.evaluation.arrays import plain_array
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 _STUDIO = np.array([65.481, 128.553, 24.966]) / 255
 _WANTED = "floating point srgb in [0, 1]: divide 8-bit values by 255, map -1..1 by (x + 1) / 2"
@@ -20,7 +20,7 @@ _ROUNDING = 1e-6
 """What a conversion in float32 may leave beyond 0 and 1."""
 
 
-def luminance(srgb: ArrayLike) -> Floats:
+def luminance(srgb: ArrayLike) -> _Floats:
     """Return the studio-range BT.601 luminance of srgb images.
 
     Args:
@@ -49,7 +49,7 @@ def luminance(srgb: ArrayLike) -> Floats:
     return np.tensordot(images.astype(np.float64), _STUDIO, axes=([-3], [0])) + 16 / 255
 
 
-def psnr_y(srgb_a: ArrayLike, srgb_b: ArrayLike, shave: int) -> Floats:
+def psnr_y(srgb_a: ArrayLike, srgb_b: ArrayLike, shave: int) -> _Floats:
     """Measure the peak signal-to-noise ratio of luminance.
 
     Args:

@@ -17,7 +17,7 @@ from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import normal_quantile
 from lrsr.evaluation.placements import Ints, Placements, place
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,24 +32,24 @@ class RocCurve:
         n_impostor: Impostor scores.
     """
 
-    thresholds: Floats
+    thresholds: _Floats
     false_matches: Ints
     true_matches: Ints
     n_genuine: int
     n_impostor: int
 
     @property
-    def fmr(self) -> Floats:
+    def fmr(self) -> _Floats:
         """``(c,)`` false-match rate of each corner, rising."""
         return self.false_matches / self.n_impostor
 
     @property
-    def tmr(self) -> Floats:
+    def tmr(self) -> _Floats:
         """``(c,)`` true-match rate of each corner, rising."""
         return self.true_matches / self.n_genuine
 
     @property
-    def fnmr(self) -> Floats:
+    def fnmr(self) -> _Floats:
         """``(c,)`` false-non-match rate, 1 - tmr, falling."""
         return (self.n_genuine - self.true_matches) / self.n_genuine
 
@@ -72,9 +72,9 @@ class RocBand:
         level: Confidence level, pointwise.
     """
 
-    fmr: Floats
-    low: Floats
-    high: Floats
+    fmr: _Floats
+    low: _Floats
+    high: _Floats
     level: float
 
 
@@ -128,7 +128,7 @@ def trace_roc_of(placements: Placements) -> RocCurve:
 
 def wilson_interval(
     successes: ArrayLike, trials: int, level: float = 0.95
-) -> tuple[Floats, Floats]:
+) -> tuple[_Floats, _Floats]:
     """Return Wilson's score interval of a proportion (JASA 22, 1927).
 
     Args:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lrsr.errors import ScoreError
 from lrsr.evaluation.arrays import Array, plain_array
 
-Flags = NDArray[np.bool_]
+_Flags = NDArray[np.bool_]
 Index = NDArray[np.intp]
 
 TILE = 1 << 18
@@ -45,7 +45,7 @@ class Tile:
         return slice(self.first, self.first + len(self.scores))
 
     @cached_property
-    def absent(self) -> Flags:
+    def absent(self) -> _Flags:
         """``(r, G)`` where there is no score."""
         return np.isnan(self.scores)
 

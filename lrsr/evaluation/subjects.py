@@ -17,7 +17,7 @@ from lrsr.evaluation.arrays import Array
 from lrsr.evaluation.placements import Classes, Ints, Placements, class_placements
 from lrsr.evaluation.scores import Index, ScoreSource, Tile
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 _FEW = 8
 """Genuine scores of one person up to which each is compared with the person's impostor scores."""
@@ -77,7 +77,7 @@ class Tally:
         self._add_side(self._gallery, columns, classes.T, above.T)
         return above
 
-    def areas(self) -> Floats:
+    def areas(self) -> _Floats:
         """Return the AUC without each person that has a score, by person.
 
         Raises:
@@ -95,7 +95,7 @@ class Tally:
             raise ScoreError("no impostor score is left without one of the identities: add people")
         lost = self._lost.copy()
         np.add.at(lost, self._who, beats)
-        areas: Floats = (int(beats.sum()) - lost + self._overlap) / (2.0 * m * n)
+        areas: _Floats = (int(beats.sum()) - lost + self._overlap) / (2.0 * m * n)
         return areas[(self._mine > 0) | (self._theirs > 0)]
 
     def _add_side(self, codes: Index, others: Index, classes: Classes, above: Ints) -> None:
@@ -121,7 +121,7 @@ class Tally:
         return found
 
 
-def jackknife_std(areas: Floats) -> float:
+def jackknife_std(areas: _Floats) -> float:
     """Return the standard error of a number from its values without each of the people.
 
     Args:
@@ -132,7 +132,7 @@ def jackknife_std(areas: Floats) -> float:
 
 def bootstrap_aucs(
     methods: Mapping[str, ScoreSource], *, replicates: int = 1000, seed: int = 0
-) -> dict[str, Floats]:
+) -> dict[str, _Floats]:
     """Draw subjects with replacement, the same draws for every method, and measure each AUC.
 
     A subject drawn k times counts its genuine pairs k times and a pair of two subjects the product

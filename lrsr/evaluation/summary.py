@@ -27,7 +27,7 @@ from lrsr.evaluation.scores import ScoreSource, Tile
 from lrsr.evaluation.subjects import Tally, jackknife_std
 
 Pair = tuple[str, str]
-Result = TypeVar("Result", AucEstimate, AucComparison)
+_Result = TypeVar("_Result", AucEstimate, AucComparison)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,8 +191,8 @@ class _Test:
 
 
 def _with_subjects(
-    result: Result, value: float, tallies: Sequence[Tally], limits: tuple[float, float]
-) -> Result:
+    result: _Result, value: float, tallies: Sequence[Tally], limits: tuple[float, float]
+) -> _Result:
     """Add the interval of the jackknife over people, where there are enough of them."""
     try:
         areas = [tally.areas() for tally in tallies]

@@ -36,7 +36,7 @@ from lrsr.sr.upscaler import Bicubic, Upscaler
 _SHOWN = 6
 """People on the contact sheet."""
 
-Floats = NDArray[np.floating[Any]]
+_Floats = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
@@ -123,11 +123,11 @@ class Trial:
             yield self._outcome(condition, gallery, enrolled, shown)
 
     def _outcome(
-        self, condition: Condition, gallery: Source, enrolled: Floats, shown: Sequence[Picture]
+        self, condition: Condition, gallery: Source, enrolled: _Floats, shown: Sequence[Picture]
     ) -> Outcome:
         probes, upscalers = self.probes(condition), self.design.upscalers
         references = {scale: self.references(condition, scale) for scale in self._scales}
-        embedded: dict[str, list[Floats]] = {method: [] for method in upscalers}
+        embedded: dict[str, list[_Floats]] = {method: [] for method in upscalers}
         decibels: dict[str, list[float]] = {method: [] for method in upscalers}
         for place, some in chunks(probes):
             true = {
@@ -155,9 +155,9 @@ class Trial:
         pictures: Sequence[Picture],
         upscaler: Upscaler,
         true: Sequence[Picture] | None = None,
-    ) -> tuple[Floats, list[float]]:
+    ) -> tuple[_Floats, list[float]]:
         """Return embeddings ``(n, D)`` and, against true references, the PSNR of each in dB."""
-        rows: list[Floats] = []
+        rows: list[_Floats] = []
         decibels: list[float] = []
         for _, run in groupby(range(len(pictures)), lambda i: pictures[i].image.shape):
             members = list(run)

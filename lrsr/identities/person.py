@@ -31,7 +31,7 @@ TONES = {
 }
 """The class of everyone whose angle is above the number, degrees, and below the one before."""
 
-CHEEK_MM = 9.0
+_CHEEK_MM = 9.0
 """Radius of the patch of each cheek that is measured."""
 
 _WHITE = np.array([0.9505, 1.0, 1.089])
@@ -165,7 +165,7 @@ def cheek_reflectance(head: Head) -> NDArray[np.float64]:
     near = np.zeros(len(skin.vertices), dtype=bool)
     for eye, mouth, outwards in ((left_eye, mouth_left, -1), (right_eye, mouth_right, 1)):
         middle = 0.45 * eye[:2] + 0.55 * mouth[:2] + np.array([10.0 * outwards, 0.0])
-        near |= front & (np.hypot(*(skin.vertices[:, :2] - middle).T) < CHEEK_MM)
+        near |= front & (np.hypot(*(skin.vertices[:, :2] - middle).T) < _CHEEK_MM)
     column = np.clip(skin.uv[near, 0] * width, 0, width - 1).astype(int)
     row = np.clip(skin.uv[near, 1] * height, 0, height - 1).astype(int)
     return np.asarray(np.median(skin.albedo[row, column].astype(np.float64), axis=0))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from lrsr.errors import InputError
 
 Sex = Literal["any", "female", "male"]
-SEXES: tuple[Sex, ...] = get_args(Sex)
+_SEXES: tuple[Sex, ...] = get_args(Sex)
 
 ANCESTRIES = ("african", "asian", "caucasian")
 """The poles of the shape space."""
@@ -44,8 +44,8 @@ class Population:
     age_years: tuple[float, float] = (YOUNGEST_YEARS, OLDEST_YEARS)
 
     def __post_init__(self) -> None:
-        if self.sex not in SEXES:
-            raise InputError(f"identities.sex={self.sex}: wanted one of {', '.join(SEXES)}")
+        if self.sex not in _SEXES:
+            raise InputError(f"identities.sex={self.sex}: wanted one of {', '.join(_SEXES)}")
         chosen = tuple(race for race in ANCESTRIES if race in self.ancestry)
         if not self.ancestry or set(chosen) != set(self.ancestry):
             raise InputError(

@@ -26,9 +26,9 @@ from lrsr.identities.population import (
 )
 from lrsr.identities.splits import LARGEST_INDEX, SPLITS, Split
 
-FORMAT = 1
+_FORMAT = 1
 
-MOST_PEOPLE = 10**6
+_MOST_PEOPLE = 10**6
 """Of one command."""
 
 
@@ -157,7 +157,9 @@ class IdentityRange:
         require(self.split in SPLITS, "identities.split", self.split, f"one of {', '.join(SPLITS)}")
         last = LARGEST_INDEX - self.count + 1
         require(self.count >= 1, "identities.count", self.count, "at least 1")
-        require(self.count <= MOST_PEOPLE, "identities.count", self.count, f"at most {MOST_PEOPLE}")
+        require(
+            self.count <= _MOST_PEOPLE, "identities.count", self.count, f"at most {_MOST_PEOPLE}"
+        )
         require(0 <= self.start <= last, "identities.start", self.start, f"0 to {last}")
         roster = self.cast.roster
         if roster is not None:
@@ -242,7 +244,7 @@ def _roster(content: Mapping[str, Any]) -> Roster:
 def _plain(roster: Roster) -> dict[str, Any]:
     values = asdict(roster)
     values["draws"] = {str(index): draw for index, draw in sorted(roster.draws.items())}
-    plain: dict[str, Any] = json.loads(json.dumps({"format": FORMAT, **values}))
+    plain: dict[str, Any] = json.loads(json.dumps({"format": _FORMAT, **values}))
     return plain
 
 

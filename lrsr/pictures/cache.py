@@ -25,7 +25,7 @@ from lrsr.images import check_images
 from lrsr.pictures.recipe import Recipe, canonical, digest
 from lrsr.rendering.radiance import Radiance
 
-FORMAT = 3
+_FORMAT = 3
 """Part of every key: a change of the entries' layout leaves the old ones unread."""
 
 _TENSORS = ("image", "landmarks_px")
@@ -57,7 +57,7 @@ class RenderCache:
             recipe: What is rendered.
             versions: Of the code that renders it.
         """
-        return digest({"format": FORMAT, **recipe.plain(versions)})
+        return digest({"format": _FORMAT, **recipe.plain(versions)})
 
     def path(self, key: str) -> Path:
         """Return where the entry of that key is, or would be."""

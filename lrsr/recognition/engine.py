@@ -14,7 +14,7 @@ from lrsr.paths import asset
 from lrsr.recognition.alignment import align
 from lrsr.recognition.embedding import Embedder
 
-DEFAULT_MODEL = "weights/arcface_small.onnx"
+_DEFAULT_MODEL = "weights/arcface_small.onnx"
 """Trained on rendered faces by ``lrsr train recognition=arcface``; its record lies beside it."""
 
 
@@ -33,7 +33,7 @@ class Engine:
     def __init__(
         self, model: Path | None = None, *, antialias: bool | None = None, device: str = "cpu"
     ) -> None:
-        self.embedder = Embedder(model or asset(DEFAULT_MODEL), device=device)
+        self.embedder = Embedder(model or asset(_DEFAULT_MODEL), device=device)
         self.antialias = self.embedder.contract.antialias if antialias is None else antialias
 
     def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lrsr.rendering.backend import dr, mi
 
-TABLE_SIZE = 32
+_TABLE_SIZE = 32
 """Nodes of the table along each axis."""
 
 _MIDPOINTS = 64
@@ -85,7 +85,7 @@ def _albedo_table(refractive_index: float) -> tuple[NDArray[np.float32], NDArray
         directional: ``(32, 32)`` float32, E; rows over roughness √α, columns over √cos θ, 0..1.
         mean: ``(32,)`` float32, 2 ∫ E(µ) µ dµ of each row.
     """
-    nodes = np.linspace(0, 1, TABLE_SIZE)
+    nodes = np.linspace(0, 1, _TABLE_SIZE)
     cosines = np.clip(nodes, 0.02, 1) ** 2
     slopes = np.maximum(nodes**2, _MIN_SLOPE)
     directional = np.stack([_directional_albedo(cosines, s, refractive_index) for s in slopes])
@@ -161,4 +161,4 @@ def _facets(roughness: Any) -> Any:
 
 def _texel(position: Any) -> Any:
     """Place 0..1 from the centre of the first texel to that of the last."""
-    return (position * (TABLE_SIZE - 1) + 0.5) / TABLE_SIZE
+    return (position * (_TABLE_SIZE - 1) + 0.5) / _TABLE_SIZE

@@ -26,10 +26,10 @@ RENDERER_VERSION = "2"
 SPECTRA_VERSION = "1"
 """Changes whenever it would do so only in variants that trace wavelengths."""
 
-MIN_SAMPLES = 16
+_MIN_SAMPLES = 16
 """No pixel has fewer samples, however fine its film."""
 
-ROULETTE_DEPTH = 2
+_ROULETTE_DEPTH = 2
 """From which bounce on dim paths may end by chance: a third less time, 7 % more noise."""
 
 
@@ -98,7 +98,7 @@ class Renderer:
             viewpoint,
             pose,
             scale=film.scale,
-            samples=max(round(samples_per_pixel / film.scale**2), MIN_SAMPLES),
+            samples=max(round(samples_per_pixel / film.scale**2), _MIN_SAMPLES),
             seed=seed,
             lens=scene.lens,
             focus_mm=float(viewpoint.depth_mm(pose.turn(head.pupils)).mean()),
@@ -120,7 +120,7 @@ class Renderer:
         )
 
     def _path(self) -> Any:
-        return self._live.integrator(self.max_depth, ROULETTE_DEPTH)
+        return self._live.integrator(self.max_depth, _ROULETTE_DEPTH)
 
 
 def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:

@@ -6,8 +6,8 @@ from typing import Any, Literal, get_args
 from lrsr.configuration import settle_numbers
 from lrsr.errors import InputError
 
-SkinModel = Literal["reflective", "subsurface", "volumetric"]
-Fixed = Literal["coefficients", "scattering"]
+_SkinModel = Literal["reflective", "subsurface", "volumetric"]
+_Fixed = Literal["coefficients", "scattering"]
 Colour = tuple[float, float, float]
 
 CHANNEL_NM = (610.0, 550.0, 465.0)
@@ -42,8 +42,8 @@ class Skin:
     """
 
     name: str = "reflective"
-    model: SkinModel = "reflective"
-    fixed: Fixed = "coefficients"
+    model: _SkinModel = "reflective"
+    fixed: _Fixed = "coefficients"
     absorption_per_mm: Colour = (0.0, 0.0, 0.0)
     scattering_per_mm: Colour = (0.0, 0.0, 0.0)
     refractive_index: float = 1.0
@@ -56,10 +56,10 @@ class Skin:
         opaque = self.model == "reflective"
         wanted = {
             "model": (
-                self.model in get_args(SkinModel),
-                f"one of {', '.join(get_args(SkinModel))}",
+                self.model in get_args(_SkinModel),
+                f"one of {', '.join(get_args(_SkinModel))}",
             ),
-            "fixed": (self.fixed in get_args(Fixed), f"one of {', '.join(get_args(Fixed))}"),
+            "fixed": (self.fixed in get_args(_Fixed), f"one of {', '.join(get_args(_Fixed))}"),
             "absorption_per_mm": (
                 len(absorbs) == 3 and min(absorbs) >= 0,
                 "three numbers >= 0",

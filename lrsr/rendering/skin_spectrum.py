@@ -21,13 +21,13 @@ from lrsr.identities.skin.tone import WAVELENGTHS_NM, skin_reflectance
 from lrsr.rendering.backend import dr, mi
 from lrsr.spectra import srgb_curves, table
 
-FloatArray = NDArray[np.float64]
+_FloatArray = NDArray[np.float64]
 
 _MELANIN, _BLOOD = (0.008, 0.35), (0.008, 0.08)
 """Volume fractions of the skins that the curves are fitted to."""
 
 
-def _skins(nm: FloatArray) -> FloatArray:
+def _skins(nm: _FloatArray) -> _FloatArray:
     """Return reflectances of fair to dark skin, pale to flushed, ``(50, M)``.
 
     Args:
@@ -39,7 +39,7 @@ def _skins(nm: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=1)
-def _skin_curves() -> tuple[FloatArray, FloatArray]:
+def _skin_curves() -> tuple[_FloatArray, _FloatArray]:
     """Return the three curves.
 
     Returns:

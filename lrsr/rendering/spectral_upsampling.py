@@ -22,12 +22,12 @@ from lrsr.rendering.environment import (
 from lrsr.rendering.lighting import Lighting
 from lrsr.spectra import average, daylight, table
 
-FloatArray = NDArray[np.float64]
+_FloatArray = NDArray[np.float64]
 
 _STEP_NM = 1.0
 
 
-def _filters(rgb: FloatArray, nm: FloatArray) -> FloatArray:
+def _filters(rgb: _FloatArray, nm: _FloatArray) -> _FloatArray:
     """Return the smooth spectra that Mitsuba gives to colours of linear sRGB.
 
     Args:
@@ -46,7 +46,7 @@ def _filters(rgb: FloatArray, nm: FloatArray) -> FloatArray:
     return np.asarray(0.5 + 0.5 * shape)
 
 
-def _light_bands(rgb: FloatArray, edges_nm: tuple[float, ...]) -> FloatArray:
+def _light_bands(rgb: _FloatArray, edges_nm: tuple[float, ...]) -> _FloatArray:
     """Return the bands of light of those colours, as emitters of a spectral variant send it out.
 
     Args:

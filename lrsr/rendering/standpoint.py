@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from lrsr.configuration import settle_numbers
 from lrsr.errors import InputError
 
-EYE_HEIGHT_M = 1.6
+_EYE_HEIGHT_M = 1.6
 """Of a standing adult, between the means of women and men, in shoes (estimated)."""
 
 
@@ -26,7 +26,7 @@ class Standpoint:
     name: str
     distance_m: float | None = None
     height_m: float | None = None
-    eye_height_m: float = EYE_HEIGHT_M
+    eye_height_m: float = _EYE_HEIGHT_M
 
     def __post_init__(self) -> None:
         """Check the numbers.

@@ -15,10 +15,10 @@ from torch import nn
 
 from lrsr.recognition.alignment import CROP_PX
 
-WIDTHS = (32, 96, 128)
+_WIDTHS = (32, 96, 128)
 """Channels at 28×28, 14×14 and 7×7."""
 
-BLOCKS = (1, 2, 2)
+_BLOCKS = (1, 2, 2)
 """Residual blocks at each of them."""
 
 DIMENSION = 128
@@ -40,8 +40,8 @@ class Backbone(nn.Module):
 
     def __init__(
         self,
-        widths: Sequence[int] = WIDTHS,
-        blocks: Sequence[int] = BLOCKS,
+        widths: Sequence[int] = _WIDTHS,
+        blocks: Sequence[int] = _BLOCKS,
         dimension: int = DIMENSION,
     ) -> None:
         super().__init__()

@@ -17,7 +17,7 @@ from lrsr.camera.codec import jpeg
 from lrsr.images import resize_bicubic
 from lrsr.recognition.alignment import CROP_PX, TEMPLATE_PX, warp
 
-TEMPLATE_IPD_PX = float(np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0]))
+_TEMPLATE_IPD_PX = float(np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0]))
 """Distance of the eyes in the aligned face: 35.24 px."""
 
 _crop = partial(warp, size_px=CROP_PX, antialias=False, outside="border")
@@ -86,7 +86,7 @@ class Degradation:
     def _make_small(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
         """Shrink, expose, compress, enlarge: one size and one codec for the group."""
         low, high = np.log(self.ipd_px)
-        side = max(round(CROP_PX * float(np.exp(rng.uniform(low, high))) / TEMPLATE_IPD_PX), 8)
+        side = max(round(CROP_PX * float(np.exp(rng.uniform(low, high))) / _TEMPLATE_IPD_PX), 8)
         factor = CROP_PX / side
         phase = np.tile(np.eye(2, 3), (len(faces), 1, 1))  # where the pixel grid meets the face
         phase[:, :, 2] = rng.uniform(-0.5, 0.5, (len(faces), 2)) * factor
@@ -125,7 +125,7 @@ class Degradation:
         """Draw small similarities about the crop's centre, ``(count, 2, 3)``."""
         size = np.exp(rng.normal(0, self.jitter, count))
         roll = rng.normal(0, self.jitter, count)
-        shift = rng.normal(0, self.jitter * TEMPLATE_IPD_PX, (count, 2))
+        shift = rng.normal(0, self.jitter * _TEMPLATE_IPD_PX, (count, 2))
         cosine, sine = size * np.cos(roll), size * np.sin(roll)
         linear = np.stack([np.stack([cosine, -sine], -1), np.stack([sine, cosine], -1)], axis=1)
         centre = np.full(2, (CROP_PX - 1) / 2)

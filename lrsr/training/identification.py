@@ -25,10 +25,10 @@ from lrsr.training.export import export_onnx
 from lrsr.training.learner import Learner, MakeOptimizer, MakeScheduler
 from lrsr.training.margin import AngularMargin
 
-MEAN = SCALE = 127.5
+_MEAN = _SCALE = 127.5
 """The network sees (255 srgb - MEAN) / SCALE."""
 
-Batch = tuple[torch.Tensor, torch.Tensor, torch.Tensor]
+_Batch = tuple[torch.Tensor, torch.Tensor, torch.Tensor]
 
 
 class Identification(Learner):
@@ -77,13 +77,13 @@ class Identification(Learner):
 
     def forward(self, srgb: torch.Tensor) -> torch.Tensor:
         """Embed srgb ``(B, 3, 112, 112)``, [0, 1], as ``(B, 128)``."""
-        faces = (srgb * 255 - MEAN) / SCALE
+        faces = (srgb * 255 - _MEAN) / _SCALE
         embeddings: torch.Tensor = self.backbone(
             faces.contiguous(memory_format=torch.channels_last)
         )
         return embeddings
 
-    def loss(self, batch: Batch) -> torch.Tensor:
+    def loss(self, batch: _Batch) -> torch.Tensor:
         """Degrade, embed, and return the cross-entropy of the angular margin."""
         crops, people, sharp = batch
         rng = np.random.default_rng(derived_seed(self.seed, "degradation", self.global_step))
@@ -136,8 +136,8 @@ class Identification(Learner):
             channels="RGB",
             height_px=CROP_PX,
             width_px=CROP_PX,
-            mean=MEAN,
-            scale=SCALE,
+            mean=_MEAN,
+            scale=_SCALE,
             dimension=DIMENSION,
             template="arcface5",
             antialias=self.antialias,

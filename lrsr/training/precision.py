@@ -10,7 +10,7 @@ from typing import Literal
 
 import torch
 
-Precision = Literal["bf16-mixed", "32-true"]
+_Precision = Literal["bf16-mixed", "32-true"]
 
 _CPUINFO = Path("/proc/cpuinfo")
 
@@ -28,7 +28,7 @@ def has_bfloat16(cpuinfo: str) -> bool:
     return bool(flags) and bool({"avx512_bf16", "amx_bf16", "bf16"} & set(flags[0].split()))
 
 
-def choose_precision(accelerator: str = "auto") -> tuple[Precision, str]:
+def choose_precision(accelerator: str = "auto") -> tuple[_Precision, str]:
     """Return Lightning's name of the precision to train in, and why.
 
     Args:

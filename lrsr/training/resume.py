@@ -1,6 +1,6 @@
 """May a run go on in this folder? Only if nothing that the weights depend on has changed.
 
-Everything in the configuration counts but what :data:`IRRELEVANT` lists, so that a setting added
+Everything in the configuration counts but what ``_IRRELEVANT`` lists, so that a setting added
 tomorrow counts too.
 """
 
@@ -15,7 +15,7 @@ from lrsr.training.precision import choose_precision
 
 #: What cannot change a weight: where things lie, how a run is told and when it goes on. A roster
 #: counts by the people in it, wherever its file lies.
-IRRELEVANT = (
+_IRRELEVANT = (
     "callbacks.progress",
     "hydra",
     "identities.roster",
@@ -44,7 +44,7 @@ def what_matters(config: Mapping[str, Any]) -> dict[str, Any]:
     return {
         name: value
         for name, value in flat.items()
-        if not any(name == other or name.startswith(f"{other}.") for other in IRRELEVANT)
+        if not any(name == other or name.startswith(f"{other}.") for other in _IRRELEVANT)
     }
 
 

@@ -17,7 +17,7 @@ from lrsr.configuration import as_number
 from lrsr.errors import InputError
 from lrsr.identities.shape.basis import Basis, load_basis
 
-LEFT_OUT = ("eyeLook", "tongueOut")
+_LEFT_OUT = ("eyeLook", "tongueOut")
 """Units that would need another eyeball or tongue than the mesh has."""
 
 
@@ -25,7 +25,7 @@ LEFT_OUT = ("eyeLook", "tongueOut")
 def known_units() -> Mapping[str, tuple[str, ...]]:
     """Name every face unit, one-sided or not, and the fields "unit/..." that it stands for."""
     names = [name.removeprefix("unit/") for name in load_basis().names if name.startswith("unit/")]
-    known = {name: (name,) for name in names if not name.startswith(LEFT_OUT)}
+    known = {name: (name,) for name in names if not name.startswith(_LEFT_OUT)}
     pairs = {name.removesuffix("Left") for name in known if name.endswith("Left")}
     both = {
         name: (f"{name}Left", f"{name}Right")

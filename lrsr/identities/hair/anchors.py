@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from lrsr.paths import asset
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 AZIMUTHS = 120
 POLARS = 51
@@ -42,9 +42,9 @@ class Anchors:
 
     matrix: Any
     ears: NDArray[np.int32]
-    template: Floats
+    template: _Floats
 
-    def locate(self, skin_vertices: NDArray[np.float32]) -> Floats:
+    def locate(self, skin_vertices: NDArray[np.float32]) -> _Floats:
         """Return the chart of one head.
 
         Args:
@@ -53,11 +53,11 @@ class Anchors:
         Returns:
             ``(AZIMUTHS, POLARS, 3)``, mm; azimuth 0 is the face, 90 degrees the subject's left.
         """
-        points: Floats = self.matrix @ np.asarray(skin_vertices, dtype=np.float64)
+        points: _Floats = self.matrix @ np.asarray(skin_vertices, dtype=np.float64)
         return points.reshape(AZIMUTHS, POLARS, 3)
 
 
-def chart_directions() -> Floats:
+def chart_directions() -> _Floats:
     """Return the rays of the chart, ``(AZIMUTHS, POLARS, 3)`` unit vectors."""
     azimuth = np.deg2rad(np.arange(AZIMUTHS) * 360.0 / AZIMUTHS)[:, None]
     polar = np.deg2rad(np.arange(POLARS) * POLAR_STEP_DEG)[None, :]
@@ -65,7 +65,7 @@ def chart_directions() -> Floats:
     return np.stack([x, np.broadcast_to(np.cos(polar), x.shape), z], axis=-1)
 
 
-def chart_angles(points: NDArray[np.floating[Any]]) -> tuple[Floats, Floats]:
+def chart_angles(points: NDArray[np.floating[Any]]) -> tuple[_Floats, _Floats]:
     """Return azimuth (-180..180) and polar angle (0..180), degrees, of canonical points.
 
     Args:
@@ -83,7 +83,7 @@ def chart_angles(points: NDArray[np.floating[Any]]) -> tuple[Floats, Floats]:
 
 
 def build_anchors(
-    vertices: Floats, faces: NDArray[np.int32], ear_vertices: NDArray[np.int32]
+    vertices: _Floats, faces: NDArray[np.int32], ear_vertices: NDArray[np.int32]
 ) -> Anchors:
     """Cast the rays of the chart on a template head (once, when the assets are made).
 
@@ -132,8 +132,8 @@ def load_anchors() -> Anchors:
 
 
 def _outermost_hits(
-    vertices: Floats, faces: NDArray[np.int32], rays: Floats
-) -> tuple[NDArray[np.int64], Floats]:
+    vertices: _Floats, faces: NDArray[np.int32], rays: _Floats
+) -> tuple[NDArray[np.int64], _Floats]:
     """Return per ray the index of the outermost triangle hit (-1: none) and its barycentrics.
 
     Only the triangles whose centroids lie nearest in direction are tried.

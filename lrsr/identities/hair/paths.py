@@ -17,7 +17,7 @@ from lrsr.identities.hair.scalp import MM_PER_DEG, bald_polar, hairline_polar
 from lrsr.identities.hair.styles import AT_HAIRLINE_MM, LOWER_AZIMUTHS_DEG
 from lrsr.identities.ramp import smoothstep
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 COLUMNS = 288
 
@@ -45,18 +45,18 @@ class Paths:
         tuft: ``(COLUMNS,)`` -1..1 from one side of a tuft to the other.
     """
 
-    azimuth: Floats
-    root: Floats
-    leave: Floats
-    over_skull_mm: Floats
-    length_mm: Floats
-    on_parting: Floats
-    leading: Floats
-    free: Floats
-    tuft: Floats
+    azimuth: _Floats
+    root: _Floats
+    leave: _Floats
+    over_skull_mm: _Floats
+    length_mm: _Floats
+    on_parting: _Floats
+    leading: _Floats
+    free: _Floats
+    tuft: _Floats
 
 
-def plan_paths(parameters: Mapping[str, Any], chart: Floats, rng: np.random.Generator) -> Paths:
+def plan_paths(parameters: Mapping[str, Any], chart: _Floats, rng: np.random.Generator) -> Paths:
     """Comb one head of hair.
 
     Args:
@@ -96,7 +96,7 @@ def plan_paths(parameters: Mapping[str, Any], chart: Floats, rng: np.random.Gene
     )
 
 
-def follow_paths(paths: Paths, share: Floats, bow: float) -> Floats:
+def follow_paths(paths: Paths, share: _Floats, bow: float) -> _Floats:
     """Return points of each column on its way over the skull.
 
     Args:
@@ -115,7 +115,7 @@ def follow_paths(paths: Paths, share: Floats, bow: float) -> Floats:
     return np.asarray((1 - t) ** 2 * root + 2 * t * (1 - t) * middle + t**2 * leave)
 
 
-def group_tufts(width_mm: float, rng: np.random.Generator) -> Floats:
+def group_tufts(width_mm: float, rng: np.random.Generator) -> _Floats:
     """Group neighbouring columns: ``(COLUMNS,)``, -1..1 from one side of a tuft to the other."""
     widths = max(width_mm / _COLUMN_MM, 2.0) * rng.uniform(0.5, 1.5, COLUMNS)
     ends = np.cumsum(widths)
@@ -126,7 +126,7 @@ def group_tufts(width_mm: float, rng: np.random.Generator) -> Floats:
 
 def smooth_noise(
     rng: np.random.Generator, shape: tuple[int, ...], widths: tuple[float, ...], spread: float = 1.0
-) -> Floats:
+) -> _Floats:
     """Return blurred noise of zero mean and the given standard deviation, wrapping around."""
     values = gaussian_filter(rng.normal(size=shape), widths, mode="wrap")
     return np.asarray(spread * (values - values.mean()) / max(float(values.std()), 1e-12))
@@ -136,7 +136,7 @@ def _parting_azimuth(parameters: Mapping[str, Any]) -> float:
     return float(np.rad2deg(np.arctan2(parameters["parting_deg"], _PARTING_POLAR_DEG)))
 
 
-def _first_azimuth(parameters: Mapping[str, Any], side: Floats) -> Floats:
+def _first_azimuth(parameters: Mapping[str, Any], side: _Floats) -> _Floats:
     """How far from the middle the first column of each side leaves the skull, degrees."""
     parting = _parting_azimuth(parameters)
     left = parameters["front_left_deg"] or parting
@@ -145,8 +145,8 @@ def _first_azimuth(parameters: Mapping[str, Any], side: Floats) -> Floats:
 
 
 def _leave(
-    parameters: Mapping[str, Any], chart: Floats, azimuth: Floats
-) -> tuple[Floats, Floats, Floats]:
+    parameters: Mapping[str, Any], chart: _Floats, azimuth: _Floats
+) -> tuple[_Floats, _Floats, _Floats]:
     """Where columns leave the skull (polar angle), how far they go down from there, how far cut."""
     hairline = _trimmed_hairline(parameters, azimuth)
     low = np.interp(np.abs(azimuth), LOWER_AZIMUTHS_DEG, parameters["lower_mm"])
@@ -162,7 +162,7 @@ def _leave(
     return polar, drop, np.maximum(-fringe, 0.0)
 
 
-def _trimmed_hairline(parameters: Mapping[str, Any], azimuth: Floats) -> Floats:
+def _trimmed_hairline(parameters: Mapping[str, Any], azimuth: _Floats) -> _Floats:
     """The natural hairline, cut higher above the ears and at the nape."""
     away = np.abs(azimuth)
     side = smoothstep(60.0, 75.0, away) * smoothstep(122.0, 107.0, away)
@@ -171,7 +171,7 @@ def _trimmed_hairline(parameters: Mapping[str, Any], azimuth: Floats) -> Floats:
     return np.asarray(hairline_polar(azimuth, parameters) - trim)
 
 
-def _roots(parameters: Mapping[str, Any], frontness: Floats) -> tuple[Floats, Floats]:
+def _roots(parameters: Mapping[str, Any], frontness: _Floats) -> tuple[_Floats, _Floats]:
     """Roots in the flattened chart, and how far each lies along the parting."""
     crown = np.array(
         [parameters["crown_x_deg"] + 0.8 * parameters["parting_deg"], parameters["crown_z_deg"]]

@@ -16,7 +16,7 @@ from lrsr.identities.hair.anchors import (
 )
 from lrsr.identities.ramp import smoothstep
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 MM_PER_DEG = 1.6
 """Length of one degree on the skull, about 92 mm from its centre."""
@@ -54,7 +54,7 @@ _CONTROL = np.array(
 )
 
 
-def hairline_polar(azimuth: Floats, parameters: Mapping[str, Any]) -> Floats:
+def hairline_polar(azimuth: _Floats, parameters: Mapping[str, Any]) -> _Floats:
     """Return the polar angle of the natural hairline, degrees.
 
     Args:
@@ -124,13 +124,13 @@ class Scalp:
         return mask
 
 
-def bald_polar(azimuth: Floats, bald_deg: float) -> Floats:
+def bald_polar(azimuth: _Floats, bald_deg: float) -> _Floats:
     """Return the polar angle of the upper rim of a horseshoe of hair, degrees; none in front."""
     front = 24.0 * np.exp(-((azimuth / 48.0) ** 4))
     return np.asarray(bald_deg * (1.08 + 0.12 * np.cos(np.deg2rad(azimuth))) + front)
 
 
-def _strokes(rng: np.random.Generator) -> Floats:
+def _strokes(rng: np.random.Generator) -> _Floats:
     """Streaks along the strands, 0..1, ``(181, _FINE)``: one row a degree of polar angle."""
     knots = _blur(rng.random((36, _FINE)), 3) + 0.35 * rng.random((36, _FINE))
     knots = (knots - knots.min()) / np.ptp(knots)
@@ -139,7 +139,7 @@ def _strokes(rng: np.random.Generator) -> Floats:
     return np.asarray((1.0 - share) * knots[first] + share * knots[first + 1])
 
 
-def _skull_radius(azimuth: Floats, polar: Floats) -> Floats:
+def _skull_radius(azimuth: _Floats, polar: _Floats) -> _Floats:
     template = load_anchors().template
     radius = np.linalg.norm(template - np.asarray(SKULL_CENTRE_MM), axis=-1)
     rows = (azimuth % 360.0) * (AZIMUTHS / 360.0)
@@ -148,7 +148,7 @@ def _skull_radius(azimuth: Floats, polar: Floats) -> Floats:
     return np.asarray(map_coordinates(wrapped, [rows, columns], order=1, mode="nearest"))
 
 
-def _blur(values: Floats, width: int) -> Floats:
+def _blur(values: _Floats, width: int) -> _Floats:
     """Running mean along the last axis, edges repeated."""
     pad = [(0, 0)] * (values.ndim - 1) + [(width // 2 + 1, width // 2)]
     total = np.cumsum(np.pad(values, pad, mode="edge"), axis=-1)

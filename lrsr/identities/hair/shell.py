@@ -21,7 +21,7 @@ from lrsr.identities.hair.styles import AT_HAIRLINE_MM
 from lrsr.identities.hair.thickness import Course, lay_thickness
 from lrsr.identities.ramp import smoothstep
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 ROWS = 40
 BEYOND_MM = (4.0, 8.0, 12.0)
@@ -46,12 +46,12 @@ class Shell:
         height: ``(COLUMNS, ROWS + 3)`` distance off the skin, mm.
     """
 
-    points: Floats
-    outward: Floats
-    height: Floats
+    points: _Floats
+    outward: _Floats
+    height: _Floats
 
     @property
-    def vertices(self) -> Floats:
+    def vertices(self) -> _Floats:
         """What the mesh has of it, ``(COLUMNS * ROWS, 3)``, mm."""
         return self.points[:, :ROWS].reshape(-1, 3)
 
@@ -60,13 +60,13 @@ class Shell:
 class _Bed:
     """What hair lies on: the chart, the skull's centre, and how wide skin and ears are."""
 
-    chart: Floats
-    centre: Floats
-    skin_radius: Floats
-    ears_radius: Floats | None
+    chart: _Floats
+    centre: _Floats
+    skin_radius: _Floats
+    ears_radius: _Floats | None
 
 
-def shell_rows() -> Floats:
+def shell_rows() -> _Floats:
     """Return the share of its length at which each row of a column lies, ``(ROWS,)`` in 0..1."""
     return np.asarray(1.0 - (1.0 - np.linspace(0.0, 1.0, ROWS)) ** 1.2)
 
@@ -132,9 +132,9 @@ def _style(
     parameters: Mapping[str, Any],
     paths: Paths,
     course: Course,
-    fade: Floats,
+    fade: _Floats,
     rng: np.random.Generator,
-) -> tuple[Floats, Floats]:
+) -> tuple[_Floats, _Floats]:
     """Clump, wave and comb aside: return shifts off the skin and to the subject's left, mm."""
     clump = smooth_noise(rng, course.along.shape, _clump_widths(parameters))
     start = 0.35 * smooth_noise(rng, (COLUMNS,), (9.0,))[:, None]
@@ -162,7 +162,7 @@ def _clump_widths(parameters: Mapping[str, Any]) -> tuple[float, float]:
     return across, (1.0 - curly) * 9.0 + curly * 1.4
 
 
-def _hang(parameters: Mapping[str, Any], bed: _Bed, paths: Paths, course: Course) -> Floats:
+def _hang(parameters: Mapping[str, Any], bed: _Bed, paths: Paths, course: Course) -> _Floats:
     """Put the rows on the skin; past the skull let them go down, off the skin and the ears."""
     points = sample_chart(bed.chart, course.azimuth, course.polar)
     leaves = course.down > 0.0

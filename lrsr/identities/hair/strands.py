@@ -16,7 +16,7 @@ from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import BEYOND_MM, ROWS, Shell
 from lrsr.identities.hair.texture import RIBBON_COLUMNS, SHELL_COLUMNS, TEXTURE_SHAPE
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 _Singles = NDArray[np.float32]
 
 RIBBONS = 10800
@@ -48,9 +48,9 @@ class Layout(NamedTuple):
         phase: ``(RIBBONS,)`` of the curls, radians.
     """
 
-    column: Floats
-    row: Floats
-    stubble_row: Floats
+    column: _Floats
+    row: _Floats
+    stubble_row: _Floats
     half_width_mm: _Singles
     twist: _Singles
     rise: _Singles

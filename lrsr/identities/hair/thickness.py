@@ -10,7 +10,7 @@ from lrsr.identities.hair.chart import flatten
 from lrsr.identities.hair.paths import Paths
 from lrsr.identities.ramp import smoothstep
 
-Floats = NDArray[np.float64]
+_Floats = NDArray[np.float64]
 
 _ROOT_DEPTH_MM = 1.6
 _GONE_DEPTH_MM = 5.0
@@ -27,15 +27,15 @@ class Course(NamedTuple):
         polar: Degrees; likewise.
     """
 
-    along: Floats
-    down: Floats
-    azimuth: Floats
-    polar: Floats
+    along: _Floats
+    down: _Floats
+    azimuth: _Floats
+    polar: _Floats
 
 
 def lay_thickness(
     parameters: Mapping[str, Any], paths: Paths, course: Course
-) -> tuple[Floats, Floats]:
+) -> tuple[_Floats, _Floats]:
     """Return how far the hair stands off the skin.
 
     Args:
@@ -62,7 +62,7 @@ def lay_thickness(
     return height, fade
 
 
-def _full_thickness(parameters: Mapping[str, Any], paths: Paths, course: Course) -> Floats:
+def _full_thickness(parameters: Mapping[str, Any], paths: Paths, course: Course) -> _Floats:
     """Thickness away from all edges: top, sides and back, the front's lift, the parting's dip."""
     top = smoothstep(78.0, 40.0, course.polar)
     back = smoothstep(95.0, 130.0, np.abs(course.azimuth))
@@ -74,7 +74,7 @@ def _full_thickness(parameters: Mapping[str, Any], paths: Paths, course: Course)
     return np.asarray(full * (1.0 - dip * np.minimum(1.0, 4.0 * paths.on_parting[:, None])))
 
 
-def _bun(parameters: Mapping[str, Any], course: Course) -> Floats:
+def _bun(parameters: Mapping[str, Any], course: Course) -> _Floats:
     """Rise as a knot of hair on the back of the crown."""
     centre = np.array([0.0, parameters["bun_z_deg"]])
     away = np.linalg.norm(flatten(course.azimuth, course.polar) - centre, axis=-1)
@@ -83,8 +83,8 @@ def _bun(parameters: Mapping[str, Any], course: Course) -> Floats:
 
 
 def _fade_at_tips(
-    parameters: Mapping[str, Any], paths: Paths, course: Course, full: Floats
-) -> tuple[Floats, Floats]:
+    parameters: Mapping[str, Any], paths: Paths, course: Course, full: _Floats
+) -> tuple[_Floats, _Floats]:
     """Sink into the skin at a hairline; thin out to the tips where they hang free."""
     left = paths.length_mm[:, None] - course.along
     inner = np.clip(left / parameters["taper_mm"], 0.0, 1.0)

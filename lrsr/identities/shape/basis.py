@@ -35,7 +35,7 @@ from lrsr.errors import InputError
 from lrsr.identities.shape.subdivision import subdivide, triangulate
 from lrsr.paths import asset
 
-UNIT_MM = 0.01
+_UNIT_MM = 0.01
 ROUNDS = 2
 _EYE_VERTICES = 72
 SOCKETS = (2, 3)
@@ -159,7 +159,7 @@ def load_basis() -> Basis:
     rows = 3 * raw["field_vertices"].astype(np.int64)[:, None] + np.arange(3)
     fields = sparse.csr_matrix(
         (
-            raw["field_offsets"].ravel().astype(np.float64) * UNIT_MM,
+            raw["field_offsets"].ravel().astype(np.float64) * _UNIT_MM,
             (rows.ravel(), np.repeat(columns, 3)),
         ),
         shape=(3 * len(raw["vertices"]), len(names)),
@@ -169,7 +169,7 @@ def load_basis() -> Basis:
         provenance=json.loads(str(raw["provenance"])),
         names=names,
         fields=fields,
-        vertices=raw["vertices"].astype(np.float64) * UNIT_MM,
+        vertices=raw["vertices"].astype(np.float64) * _UNIT_MM,
         neutral=raw["neutral"].astype(np.float64),
         quads=raw["quads"].astype(np.int64),
         uv_quads=raw["uv_quads"].astype(np.int64),

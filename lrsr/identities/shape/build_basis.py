@@ -35,7 +35,7 @@ from lrsr.identities.shape.makehuman import (
 from lrsr.identities.shape.topology import REGIONS, Topology, choose_faces, lay_out
 from lrsr.paths import PACKAGE
 
-UNIT_MM = 0.01
+_UNIT_MM = 0.01
 """Everything in the basis is a whole number of these."""
 _NEUTRAL_AGE = 0.25
 """Age of the template head, 0 = MakeHuman's young adult, 1 = its old one."""
@@ -119,7 +119,7 @@ def build(data: Path) -> dict[str, NDArray[np.generic]]:
     renumber = np.full(n, -1)
     renumber[kept] = np.arange(len(kept))
     used_uv, uv_quads = np.unique(topology.uv_quads, return_inverse=True)
-    steps = np.rint(offsets[:, kept] / UNIT_MM).astype(np.int64)
+    steps = np.rint(offsets[:, kept] / _UNIT_MM).astype(np.int64)
     if np.abs(steps).max() > 32767:
         raise InputError(
             f"{names[np.abs(steps).max(axis=(1, 2)).argmax()]} moves a vertex > 327 mm"
@@ -141,7 +141,7 @@ def build(data: Path) -> dict[str, NDArray[np.generic]]:
         "field_counts": counts.astype(np.int32),
         "field_vertices": row.astype(np.uint16),
         "field_offsets": steps[column, row].astype(np.int16),
-        "vertices": np.rint(vertices[kept] / UNIT_MM).astype(np.int32),
+        "vertices": np.rint(vertices[kept] / _UNIT_MM).astype(np.int32),
         "neutral": neutral.astype(np.float64),
         "quads": renumber[topology.quads].astype(np.uint16),
         "uv_quads": uv_quads.reshape(-1, 4).astype(np.uint16),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.shape.basis import load_basis
 
-Group = Literal["features", "outline"]
+_Group = Literal["features", "outline"]
 """Features of the face seen from in front; outline of head and profile."""
 
 X, Y, Z = 0, 1, 2
@@ -46,11 +46,11 @@ class Measure(NamedTuple):
     high: tuple[float, float, float]
     low: tuple[float, float, float]
     sd_mm: float
-    of: Group = "features"
+    of: _Group = "features"
 
 
 def _across(
-    name: str, x: float, y: float, z: float, sd_mm: float, of: Group = "features"
+    name: str, x: float, y: float, z: float, sd_mm: float, of: _Group = "features"
 ) -> Measure:
     return Measure(name, X, (x, y, z), (-x, y, z), sd_mm, of)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.skin.canvas import STRAND_POINTS, Canvas, bend_strands
 
-FloatArray = NDArray[np.float64]
+_FloatArray = NDArray[np.float64]
 
 CANVAS = Canvas(left_mm=-66.0, top_mm=48.0, width_mm=132.0, height_mm=52.0)
 """The part of the frontal sheet that brows may cover."""
@@ -74,7 +74,7 @@ def sample_brows(rng: Generator, *, masculinity: float) -> Brows:
     }
 
 
-def brow_line(brows: Brows, along: FloatArray) -> FloatArray:
+def brow_line(brows: Brows, along: _FloatArray) -> _FloatArray:
     """Centre line of the brow on the subject's left (x > 0).
 
     Args:
@@ -99,7 +99,7 @@ def brow_line(brows: Brows, along: FloatArray) -> FloatArray:
     return np.stack([x, y], axis=-1)
 
 
-def brow_thickness(brows: Brows, along: FloatArray) -> FloatArray:
+def brow_thickness(brows: Brows, along: _FloatArray) -> _FloatArray:
     """Vertical extent of the brow.
 
     Args:
@@ -114,7 +114,7 @@ def brow_thickness(brows: Brows, along: FloatArray) -> FloatArray:
     return np.asarray(brows["thickness_mm"] * np.maximum(tip * head, 0.10))
 
 
-def brow_strands(brows: Brows, rng: Generator) -> FloatArray:
+def brow_strands(brows: Brows, rng: Generator) -> _FloatArray:
     """Lay the hairs of one brow, on the subject's left.
 
     At the nose they stand up, towards the temple they lie along the line; the upper ones lean
@@ -155,7 +155,7 @@ def brow_strands(brows: Brows, rng: Generator) -> FloatArray:
     return np.asarray(root[:, None] - backwards[:, None] + path)
 
 
-def lay_brows(brows: Brows, rng: Generator) -> FloatArray:
+def lay_brows(brows: Brows, rng: Generator) -> _FloatArray:
     """Lay the hairs of both brows, in random order.
 
     Args:
@@ -176,7 +176,7 @@ def lay_brows(brows: Brows, rng: Generator) -> FloatArray:
     return hairs
 
 
-def cover_brows(hairs: FloatArray) -> NDArray[np.uint8]:
+def cover_brows(hairs: _FloatArray) -> NDArray[np.uint8]:
     """Draw hairs over each other, with the shade that they throw between them.
 
     Args:
@@ -199,7 +199,7 @@ def cover_brows(hairs: FloatArray) -> NDArray[np.uint8]:
     return np.asarray(cv2.bitwise_not(clear), dtype=np.uint8)
 
 
-def _bridge_strands(brows: Brows, rng: Generator) -> FloatArray:
+def _bridge_strands(brows: Brows, rng: Generator) -> _FloatArray:
     count = max(1, round(60 * brows["bridge"]))
     x = rng.uniform(-brows["start_mm"], brows["start_mm"], count)
     y = _BASE_HEIGHT_MM + brows["height_mm"] - 1.5 + rng.normal(0.0, 1.6, count)

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-FloatArray = NDArray[np.float64]
+_FloatArray = NDArray[np.float64]
 
 MELANIN_RANGE = (0.002, 0.6)
 """Volume fraction of melanosomes in the epidermis that the table covers."""
@@ -21,7 +21,7 @@ MELANIN_RANGE = (0.002, 0.6)
 _BLOOD_RANGE = (0.002, 0.4)
 """Volume fraction of whole blood in the dermis that the table covers."""
 
-TABLE_SIZE = 48
+_TABLE_SIZE = 48
 _CHROMA = (0.82, 0.70, 0.55, 0.46)
 """Share of the model's saturation that is kept at these melanin fractions (constant beyond): bare,
 it is too orange, the more so the darker the skin. Measured skin is most colourful at L* of about 55
@@ -66,11 +66,11 @@ _XYZ_TO_LINEAR_SRGB = np.array(
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-def _numbers(table: str) -> FloatArray:
+def _numbers(table: str) -> _FloatArray:
     return np.array(table.split(), dtype=np.float64)
 
 
-def melanin_absorption(wavelength_nm: ArrayLike) -> FloatArray:
+def melanin_absorption(wavelength_nm: ArrayLike) -> _FloatArray:
     """Absorption of melanosomes, 93 % eumelanin and 7 % pheomelanin.
 
     Args:
@@ -87,7 +87,7 @@ def melanin_absorption(wavelength_nm: ArrayLike) -> FloatArray:
     return np.asarray(0.93 * 6.6e10 * wavelength**-3.33 + 0.07 * 2.9e14 * wavelength**-4.75)
 
 
-def baseline_absorption(wavelength_nm: ArrayLike) -> FloatArray:
+def baseline_absorption(wavelength_nm: ArrayLike) -> _FloatArray:
     """Absorption of bloodless, melanin-free skin (Jacques 2013, eq. 11, in mm⁻¹).
 
     Args:
@@ -100,7 +100,7 @@ def baseline_absorption(wavelength_nm: ArrayLike) -> FloatArray:
     return np.asarray(0.0244 + 8.53 * np.exp(-(wavelength - 154.0) / 66.2))
 
 
-def blood_absorption() -> FloatArray:
+def blood_absorption() -> _FloatArray:
     """Absorption of whole blood (150 g/l haemoglobin, 75 % oxygenated) at ``WAVELENGTHS_NM``.
 
     Returns:
@@ -112,7 +112,7 @@ def blood_absorption() -> FloatArray:
     return np.asarray(np.log(10.0) * extinction * 150.0 / 64500.0 / 10.0)
 
 
-def diffuse_reflectance(reduced_albedo: ArrayLike) -> FloatArray:
+def diffuse_reflectance(reduced_albedo: ArrayLike) -> _FloatArray:
     """Diffuse reflectance of a semi-infinite scatterer, index 1.4 (Jensen et al. 2001, eq. 15).
 
     Args:
@@ -133,7 +133,7 @@ def diffuse_reflectance(reduced_albedo: ArrayLike) -> FloatArray:
     return np.asarray(0.5 * albedo * (1 + np.exp(-4 / 3 * mismatch * root)) * np.exp(-root))
 
 
-def skin_reflectance(melanin: ArrayLike, blood: ArrayLike) -> FloatArray:
+def skin_reflectance(melanin: ArrayLike, blood: ArrayLike) -> _FloatArray:
     """Reflectance spectrum of the two layers.
 
     Args:
@@ -153,7 +153,7 @@ def skin_reflectance(melanin: ArrayLike, blood: ArrayLike) -> FloatArray:
     return np.asarray(twice * diffuse_reflectance(scattering / (scattering + dermis)))
 
 
-def spectrum_to_linear_srgb(reflectance: ArrayLike) -> FloatArray:
+def spectrum_to_linear_srgb(reflectance: ArrayLike) -> _FloatArray:
     """Colour of a surface under D65; a white one gives (1, 1, 1) to within 0.5 %.
 
     Args:
@@ -168,7 +168,7 @@ def spectrum_to_linear_srgb(reflectance: ArrayLike) -> FloatArray:
     return np.asarray(np.asarray(reflectance) @ weights @ _XYZ_TO_LINEAR_SRGB.T, dtype=np.float64)
 
 
-def tone(melanin: ArrayLike, blood: ArrayLike) -> FloatArray:
+def tone(melanin: ArrayLike, blood: ArrayLike) -> _FloatArray:
     """Skin colour, computed exactly; :func:`tone_map` is the fast form for textures.
 
     Args:
@@ -191,8 +191,8 @@ def tone_table() -> NDArray[np.float32]:
     Returns:
         ``(48, 48, 3)`` float32, linear sRGB; rows run over melanin, columns over blood.
     """
-    melanin = np.geomspace(*MELANIN_RANGE, TABLE_SIZE)
-    blood = np.geomspace(*_BLOOD_RANGE, TABLE_SIZE)
+    melanin = np.geomspace(*MELANIN_RANGE, _TABLE_SIZE)
+    blood = np.geomspace(*_BLOOD_RANGE, _TABLE_SIZE)
     table = tone(melanin[:, None], blood[None, :]).astype(np.float32)
     table.flags.writeable = False
     return table
@@ -241,6 +241,6 @@ def _table_position(
     logarithm: NDArray[np.float32], limits: tuple[float, float]
 ) -> NDArray[np.float32]:
     low, high = np.log(limits)
-    scale = (TABLE_SIZE - 1) / (high - low)
+    scale = (_TABLE_SIZE - 1) / (high - low)
     position = (logarithm - np.float32(low)) * np.float32(scale)
     return np.asarray(position, dtype=np.float32)  # the look-up clamps
