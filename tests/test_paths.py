@@ -80,7 +80,7 @@ def test_the_cache_is_the_users_otherwise(
 
 
 def test_no_path_stays_none_and_an_empty_one_is_refused(tmp_path: Path) -> None:
-    assert path_if_any(None) is None
-    assert path_if_any(str(tmp_path / "a" / "..")) == tmp_path.resolve()
+    assert paths.path_if_any(None) is None
+    assert paths.path_if_any(str(tmp_path / "a" / "..")) == tmp_path.resolve()
     with pytest.raises(InputError, match="a path is empty"):
-        path_if_any("")
+        paths.path_if_any("")

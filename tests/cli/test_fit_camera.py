@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 import torch
-from lrsr.pictures.image_files import write_png
 
 from lrsr.cli import main
 from lrsr.paths import config_folder
+from lrsr.pictures.image_files import write_png
 
 
 @pytest.fixture(autouse=True)
