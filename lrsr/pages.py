@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
-import torch
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
-from torchvision.io import encode_png
 
 from lrsr.errors import ImageContractError
 from lrsr.files import write_text
@@ -82,8 +81,9 @@ def encode_face(srgb: ArrayLike) -> str:
         raise ImageContractError(f"got shape {image.shape}, wanted (3, H, W)")
     if np.isnan(image).any():
         raise ImageContractError("the image holds a NaN; wanted srgb in [0, 1]")
-    levels = torch.from_numpy(np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8))
-    return data_uri(encode_png(levels).numpy().tobytes())
+    levels = np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8)
+    bgr = np.ascontiguousarray(levels.transpose(1, 2, 0)[..., ::-1])
+    return data_uri(cv2.imencode(".png", bgr)[1].tobytes())
 
 
 def png_bytes(figure: Figure) -> bytes:

@@ -104,8 +104,9 @@ class RenderCache:
 
 
 def _pack(radiance: Radiance) -> bytes:
-    plain = asdict(radiance)
-    tensors = {name: plain.pop(name).cpu().to(torch.float32).contiguous() for name in _TENSORS}
+    traits = None if radiance.traits is None else asdict(radiance.traits)
+    plain: dict[str, Any] = {**vars(radiance), "traits": traits}
+    tensors = {name: plain.pop(name).detach().cpu().float().contiguous() for name in _TENSORS}
     note = {"radiance": plain, "sha256": _digest(tensors, plain)}
     # One note, not two: safetensors writes several in random order, and equal means equal bytes.
     content: bytes = save(tensors, {"lrsr": canonical(note).decode()})
