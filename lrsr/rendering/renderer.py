@@ -21,7 +21,7 @@ from lrsr.rendering.skin import REFLECTIVE, Skin
 from lrsr.rendering.spectral_upsampling import meter_bands
 from lrsr.spectra import band_edges
 
-RENDERER_VERSION = "2"
+RENDERER_VERSION = "3"
 """Changes whenever the same head would give other pixels."""
 
 SPECTRA_VERSION = "1"
