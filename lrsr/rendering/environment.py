@@ -10,6 +10,7 @@ from lrsr.errors import InputError
 from lrsr.rendering.colour import LUMINANCE
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Panel
+from lrsr.rendering.panorama import load_map
 
 _Floats = NDArray[np.float64]
 
@@ -97,8 +98,6 @@ def _room(lighting: Lighting, meter: _Floats) -> _Floats:
     """
     if lighting.map is None:
         return np.ones((*meter.shape, 3))
-    from lrsr.rendering.panorama import load_map
-
     room = load_map(lighting.map, lighting.map_deg, _MAP_HEIGHT_PX)
     read = float((room * lighting.fill_colour @ LUMINANCE * meter).sum())
     if not read > 0:

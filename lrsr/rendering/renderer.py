@@ -18,9 +18,10 @@ from lrsr.rendering.live_scene import LiveScene
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.rendering.skin import REFLECTIVE, Skin
+from lrsr.rendering.spectral_upsampling import meter_bands
 from lrsr.spectra import band_edges
 
-RENDERER_VERSION = "2"
+RENDERER_VERSION = "3"
 """Changes whenever the same head would give other pixels."""
 
 SPECTRA_VERSION = "1"
@@ -127,8 +128,6 @@ def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:
     """Return what a radiance of so many bands holds besides."""
     if not bands:
         return {}
-    from lrsr.rendering.spectral_upsampling import meter_bands
-
     edges = band_edges(bands)
     return {"edges_nm": edges, "metered_bands": meter_bands(lighting, edges)}
 
