@@ -14,7 +14,7 @@ import torch
 from torch.autograd import gradcheck
 
 from lrsr.camera import Camera, camera, codec, encoding
-from lrsr.camera.aberrations import Seidel, defocus_waves, focus_shift_um
+from lrsr.camera.aberrations import Seidel, defocus_waves
 from lrsr.camera.bayer import PATTERNS, mosaic
 from lrsr.camera.codec import Jpeg, jpeg_differentiable
 from lrsr.camera.colour import Colour
@@ -70,7 +70,6 @@ STAGES: dict[str, tuple[Stage, tuple[torch.Tensor, ...]]] = {
         ),
         (PLACES,),
     ),
-    "focus": (lambda m: focus_shift_um(m, 2.0, 3.0), (draw(3),)),
     "defocus": (lambda um: defocus_waves(um, 1.4, 550.0), (draw(3),)),
     "colour": (lambda x: Colour(FILTERS)(Colour(FILTERS).filter(x)), (IMAGE,)),
     "gaussian": (lambda x: gaussian_blur(x, 1.2), (PLANE,)),
