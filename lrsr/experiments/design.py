@@ -94,7 +94,8 @@ class Design:
         gallery_folder: Photographs in place of rendered enrolled pictures.
 
     Raises:
-        InputError: A number is out of its range.
+        InputError: A number is out of its range, or the camera has a lens of its own besides a
+            scene's.
     """
 
     name: str
@@ -117,6 +118,8 @@ class Design:
             wish = "at least 2: nobody is an impostor alone"
             require(count >= 2, "identities.count", count, wish)
         require(len(self.conditions) > 0, "options", [], "at least one")
+        for lens in (condition.scene.lens for condition in self.conditions if condition.scene):
+            self.camera.check_lens(lens.name, pinhole=lens.is_pinhole)
         require(len(self.upscalers) > 0, "methods", [], "at least one")
         require(0 < self.level < 1, "level", self.level, "between 0 and 1")
 

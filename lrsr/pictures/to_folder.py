@@ -41,7 +41,8 @@ class RenderSettings:
         png16: Write the exposed linear light too, clipped at white, in 16 bits a channel.
 
     Raises:
-        InputError: A number is out of range, or there is no such compression.
+        InputError: A number is out of range, there is no such compression, or the camera has a lens
+            of its own besides the scene's.
     """
 
     out: Path
@@ -55,6 +56,8 @@ class RenderSettings:
     def __post_init__(self) -> None:
         if not self.scales:
             raise InputError("scales=[]: wanted at least one of 1, 2, 4")
+        lens = self.sitting.scene.lens
+        self.camera.check_lens(lens.name, pinhole=lens.is_pinhole)
         for scale in self.scales:  # refuses what is wrong before anything is rendered
             self.shoot(scale)
             self.sitting.recipes(scale)
@@ -84,7 +87,7 @@ class Shoot:
     def entry(self, picture: Picture, recipe: Recipe, versions: Mapping[str, str]) -> Entry:
         """Return the row of a picture.
 
-        Its file's name says what is unusual about it, and ends in a digest of all that made it.
+        Its file's name says what is unusual about it, and has a digest of all that made it.
 
         Args:
             picture: As the camera stored it.
@@ -99,7 +102,7 @@ class Shoot:
         further = (scene.expression, scene.lens, scene.standpoint, skin, camera)
         words = [picture.identity_id, self.sitting.kind, scene.pose.name, scene.lighting.name]
         words += [camera.compression, *(each.name for each in further if each.name not in usual)]
-        words += [f"ipd{film.ipd_px:g}", f"x{picture.scale}", digest(made_by)[:8]]
+        words += [digest(made_by)[:8], f"ipd{film.ipd_px:g}", f"x{picture.scale}"]
         points = picture.landmarks_px
         angles = {name: value for name, value in asdict(scene.pose).items() if name != "name"}
         return Entry(

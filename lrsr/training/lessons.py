@@ -45,15 +45,17 @@ def read_lessons(config: "DictConfig", cache: RenderCache) -> Rendered:
     share = as_number(given.pop("validation_fraction"), "data.validation_fraction")
     require(0 < share <= 10, "data.validation_fraction", share, "a number > 0 and <= 10")
     others = range(max(2, round(share * people.count)))
+    lens, camera = value_of("lens", config.lens), build(config.camera, "camera")
+    camera.check_lens(lens.name, pinhole=lens.is_pinhole)
     lessons: Rendered = _built(
         given,
         "data",
         people=people.people(),
         validation_people=[people.cast.person("validation", index) for index in others],
-        lens=value_of("lens", config.lens),
+        lens=lens,
         standpoint=value_of("standpoint", config.standpoint),
         quality=read_quality(config),
-        camera=build(config.camera, "camera"),
+        camera=camera,
         cache=cache,
     )
     return lessons

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,7 @@ from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import load_radiances, take_pictures
 from lrsr.pictures.sitting import Sitting
 from lrsr.pictures.to_folder import RenderSettings, render_to_folder
+from lrsr.presets import preset
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Film, Quality
@@ -127,10 +129,11 @@ def test_what_is_unusual_is_named_in_the_file(settings: RenderSettings, maker: F
     render(settings, maker)
     asked = scene(lens="single", standpoint="scface_far", expression="smile")
     render(changed(settings, sitting={"scene": asked}), maker)
-    stems = [row.file[:-12] for row in read_manifest(settings.out)]  # without digest and ending
+    files = [row.file for row in read_manifest(settings.out)]
+    stems = [re.sub(r"_[0-9a-f]{8}_", "_", file).removesuffix("png") for file in files]
     assert stems[:3:2] == [
-        "test-00000_probe_frontal_frontal_none_ipd8_x1_",
-        "test-00000_probe_frontal_frontal_none_smile_single_scface_far_ipd8_x1_",
+        "test-00000_probe_frontal_frontal_none_ipd8_x1.",
+        "test-00000_probe_frontal_frontal_none_smile_single_scface_far_ipd8_x1.",
     ]
 
 
@@ -384,8 +387,12 @@ def test_only_the_probe_has_the_flaws_of_the_camera(
     assert sorted(made.film.scale for made in maker.renders) == [2, 4]
     probe, reference = sorted(read_manifest(settings.out), key=lambda row: row.scale)
     assert (probe.camera, reference.camera) == ("flawed", "reference")
-    assert probe.file.startswith("test-00000_probe_frontal_frontal_none_flawed_ipd8_x1_")
-    assert reference.file.startswith("test-00000_probe_frontal_frontal_none_ipd8_x2_")
+    assert re.fullmatch(
+        r"test-00000_probe_frontal_frontal_none_flawed_[0-9a-f]{8}_ipd8_x1\.png", probe.file
+    )
+    assert re.fullmatch(
+        r"test-00000_probe_frontal_frontal_none_[0-9a-f]{8}_ipd8_x2\.png", reference.file
+    )
     assert read_image(settings.out / probe.file).shape == (3, 32, 32)
     assert read_image(settings.out / probe.linear_file).shape == (3, 32, 32)
     plain = replace(settings, out=settings.out / "plain", camera=Camera(exposure_ev=-1.0))
@@ -407,3 +414,14 @@ def test_a_camera_with_measured_filters_has_references_of_the_same_bands(
     assert [row.camera for row in rows] == ["nikon", "reference"]
     assert read_image(settings.out / rows[0].linear_file).shape == (3, 32, 32)
     assert read_image(settings.out / rows[1].linear_file).shape == (3, 64, 64)
+
+
+def test_a_camera_with_a_lens_and_a_lens_before_it_are_one_too_many(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"lens=single camera=axis_p1435le: two lenses"):
+        RenderSettings(
+            out=tmp_path,
+            sitting=Sitting(
+                IdentityRange(count=1), scene(lens="single"), Film(), Quality(texture_size=64)
+            ),
+            camera=preset("camera", "axis_p1435le"),
+        )
