@@ -14,7 +14,7 @@ STEPS = 25
 
 @dataclass(frozen=True)
 class Distortion:
-    """From the sensor to the plane of a pinhole camera: p (1 + k1 r² + k2 r⁴), r = |p| / f.
+    """From the sensor to the plane of a pinhole camera: p (1 + k1 r² + k2 r⁴), r = ‖p‖ / f.
 
     The direction is Brown's own (1966; Wikipedia's "Brown-Conrady", not OpenCV's, which goes from
     the pinhole to the sensor and folds back upon itself beyond 53° for a lens like the reference

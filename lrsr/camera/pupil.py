@@ -33,9 +33,9 @@ def pupil_kernel(
 ) -> torch.Tensor:
     """Integrate the image of a point over each pixel around where it should be.
 
-    The image is |FFT(pupil exp(2πi W))|² (Goodman, Introduction to Fourier Optics, 6.1). Twice the
-    pupil's samples show it at every λ / (4A), the Nyquist rate, so its integral over a pixel is a
-    sum of those samples with known weights. It repeats every ``size`` λ / (2A): the kernel should
+    The image is ``|FFT(pupil exp(2πi W))|²`` (Goodman, Introduction to Fourier Optics, 6.1). Twice
+    the pupil's samples show it at every λ / (4A), the Nyquist rate, so its integral over a pixel is
+    a sum of those samples with known weights. It repeats every ``size`` λ / (2A): the kernel should
     be narrower than that, and W should change by less than half a wave from sample to sample.
 
     Args:

@@ -48,10 +48,10 @@ def environment(lighting: Lighting) -> tuple[NDArray[np.float32], float]:
     in the middle. This is Mitsuba's ``envmap``.
 
     Returns:
-        map: ``(H, 2H, 3)`` float32, radiance, linear sRGB.
-        metered: Luminance of an 18 % grey Lambertian sphere's disc as the level camera sees it,
-            divided by 0.18 (:attr:`Radiance.metered`); summed over the very map, so exact for any
-            light, and over the panels as seen from between the eyes.
+        The map, ``(H, 2H, 3)`` float32, radiance, linear sRGB; and what is metered: the luminance
+        of an 18 % grey Lambertian sphere's disc as the level camera sees it, divided by 0.18
+        (:attr:`Radiance.metered`), summed over the very map, so exact for any light, and over the
+        panels as seen from between the eyes.
 
     Raises:
         InputError: The lighting's map cannot be used.

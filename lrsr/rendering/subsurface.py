@@ -1,7 +1,7 @@
 """A path tracer whose skin is translucent: light leaves it elsewhere than it entered.
 
 The separable BSSRDF of the PBRT book (Pharr, Jakob and Humphreys, "Physically Based Rendering", 3rd
-edition, sections 11.4 and 15.4), which Mitsuba lacks:
+edition, sections 11.4 and 15.4), which Mitsuba lacks::
 
     S(po, wo, pi, wi) = (1 - E(cos o)) A(po) R(|po - pi|) (1 - E(cos i)) / (c π),
     c = 1 - 2 ∫ E(µ) µ dµ,
