@@ -38,7 +38,9 @@ def check_images(images: torch.Tensor, *, channels: int = 3, name: str = "images
             another dtype.
         NonFiniteError: A NaN or an infinity; the message says where the first one is.
     """
-    shape, dtype = tuple(getattr(images, "shape", ())), getattr(images, "dtype", type(images))
+    if not isinstance(images, torch.Tensor):
+        raise ImageContractError(f"{name}: got {type(images).__name__}, wanted a torch.Tensor")
+    shape, dtype = tuple(images.shape), images.dtype
     if len(shape) != 4 or shape[1] != channels or 0 in shape:
         raise ImageContractError(f"{name}: got shape {shape}, wanted (B, {channels}, H, W)")
     if dtype != torch.float32:

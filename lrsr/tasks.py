@@ -49,8 +49,10 @@ def _refuse_unread(config: "DictConfig") -> None:
         InputError: A setting would not be read.
     """
     from hydra.core.hydra_config import HydraConfig  # loaded by then
+    from omegaconf import OmegaConf
 
-    folders = [key for key in ("probes", "gallery") if config[key].folder is not None]
+    keys = ("probes", "gallery")
+    folders = [key for key in keys if OmegaConf.select(config, f"{key}.folder") is not None]
     unread = [*(_OF_PROBES if "probes" in folders else ()), *(_OF_PEOPLE if folders[1:] else ())]
     for word in HydraConfig.get().overrides.task:
         key = word.lstrip("+~").partition("=")[0]
