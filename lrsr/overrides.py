@@ -255,9 +255,8 @@ def _keys(node: dict[Any, Any], place: str = "") -> Iterator[str]:
 
 def _meant(word: str, known: Sequence[str]) -> str:
     """Return ": did you mean ...?", or nothing where nothing is near."""
-    if near := get_close_matches(word, known, n=1):
-        return f": did you mean {near[0]}?"
-    names = {key.rpartition(".")[2] for key in known}
-    meant = get_close_matches(word.rpartition(".")[2], names, n=1)
-    keys = [key for key in known if key.rpartition(".")[2] in meant]
-    return f": did you mean {' or '.join(keys)}?" if keys else ""
+    inner = [key for key in known if key.rpartition(".")[2] == word]
+    last = {key.rpartition(".")[2]: key for key in reversed(known)}
+    near = inner or get_close_matches(word, known, n=1)
+    near = near or [last[name] for name in get_close_matches(word.rpartition(".")[2], last, n=1)]
+    return f": did you mean {' or '.join(near)}?" if near else ""

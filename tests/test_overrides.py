@@ -89,7 +89,7 @@ def test_values_stay_what_they_are() -> None:
         ("identities.cout=3", "did you mean identities.count?"),
         ("+identities.cout=3", "did you mean identities.count?"),
         ("rendering.smaples_per_pixel=3", "did you mean rendering.samples_per_pixel?"),
-        ("samples_per_pixel=3", "gallery.samples_per_pixel or rendering.samples_per_pixel?"),
+        ("samples_per_pixel=3", "did you mean rendering.samples_per_pixel or gallery"),
         ("camera.optics.f_numbr=2", "did you mean f_number?; camera.optics has astigmatism"),
         ("paths.rum=x", "did you mean paths.run?"),
         ("größe=3", "lrsr render --help lists them"),

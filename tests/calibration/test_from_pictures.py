@@ -254,7 +254,11 @@ def test_a_camera_of_no_use_is_reported_but_not_written(
     monkeypatch.setattr(from_pictures, "fit_camera", lambda *_, **__: fit)
     with pytest.raises(InputError, match=rf"images=.*: {says}.*no preset.*report\.html\)"):
         fit_to_folder(
-            settings(images), tmp_path, cache=tmp_path / "c", maker=PaintedMaker(), progress=False
+            settings(images),
+            tmp_path,
+            cache=RenderCache(tmp_path / "c"),
+            maker=PaintedMaker(),
+            progress=False,
         )
     assert not list(tmp_path.glob("*.yaml"))
     assert f"Not to be used: {says}" in html.unescape((tmp_path / "report.html").read_text())

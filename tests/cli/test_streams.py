@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 STUB = """
-import sys, time, types
+import signal, sys, time, types
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 from pathlib import Path
 from lrsr import cli
 from lrsr.configuration import run_folder
@@ -32,7 +33,8 @@ raise SystemExit(cli.main())
 
 
 def start(shell: str, folder: Path, **environment: str) -> subprocess.Popen[bytes]:
-    (folder / "stub.py").write_text(STUB)
+    if not (folder / "stub.py").exists():  # else another process may be reading it
+        (folder / "stub.py").write_text(STUB)
     command = f"exec {sys.executable} stub.py eval {shell}"
     env = {**os.environ, **environment}
     return subprocess.Popen(

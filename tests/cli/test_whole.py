@@ -66,11 +66,16 @@ def test_multirun_gives_each_value_a_folder(capsys: pytest.CaptureFixture[str]) 
 
 
 def test_train_leaves_weights_that_eval_would_take(capsys: pytest.CaptureFixture[str]) -> None:
-    small = ["identities.count=2", "data.views=1", "data.ipd_px=8", "sr.epochs=1"]
+    small = ["identities.count=2", "data.views=1", "data.ipd_px=8", "trainer.max_epochs=1"]
     assert main(["train", "sr=srcnn2x", *small, *TINY]) == 0
     folder = last_line(capsys)
     assert {"model.onnx", "best.ckpt", "metrics.json"} <= {path.name for path in folder.iterdir()}
-    assert json.loads((folder / "metrics.json").read_text())["identities"] == 2
+    assert json.loads((folder / "metrics.json").read_text())["settings"]["identities.count"] == 2
+    for name in ("best.ckpt", "model.safetensors", "model.onnx"):
+        weights = f"sr.mine.weights={folder / name}"
+        assert main(["eval", "+debug=smoke", "methods=[base,bicubic2,mine]", weights]) == 0
+        rows = json.loads((last_line(capsys) / "results.json").read_text())["rows"]
+        assert [row["method"] for row in rows] == ["base", "bicubic2", "mine"]
 
 
 @pytest.mark.parametrize(
@@ -86,4 +91,5 @@ def test_train_refuses_what_cannot_be_trained(
     words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(words) == 2
-    assert "give" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "give one of" in said or "choose one of arcface, edsr2x" in said
