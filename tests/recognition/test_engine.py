@@ -41,7 +41,7 @@ BROKEN = {
         lambda srgb: srgb.requires_grad_(),
         r"got a tensor that needs a gradient, wanted .*\[0, 1\]",
     ),
-    "numpy": (lambda srgb: srgb.numpy(), "got float32, wanted torch.float32"),
+    "numpy": (lambda srgb: srgb.numpy(), "got ndarray, wanted a torch.Tensor"),
 }
 
 
