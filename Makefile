@@ -21,7 +21,7 @@ format:
 	$(BIN)/ruff format . && $(BIN)/ruff check --fix .
 
 docs: # build/docs/index.html
-	$(BIN)/python -m sphinx -W -q -b html docs build/docs
+	$(BIN)/python -m sphinx -W -q -j auto -b html docs build/docs
 
 bench: # ratios against a named reference in the same process
 	$(BIN)/pytest tests/benchmarks --benchmark-enable -n 0 --ignore-glob='' -m 'not gpu'
