@@ -29,6 +29,7 @@ from lrsr.identities.skin.make_up import Lips, MakeUp, sample_lips, sample_make_
 from lrsr.identities.skin.marks import Marks, sample_marks
 from lrsr.identities.skin.pigments import PigmentPainter
 from lrsr.identities.skin.relief import split_heights
+from lrsr.identities.skin.shading import Shading, ShadingPainter, sample_shading
 from lrsr.identities.skin.sheen import Sheen, SheenPainter, sample_sheen
 
 
@@ -47,6 +48,7 @@ class _Appearance(TypedDict):
     lashes: Lashes
     grain: Grain
     sheen: Sheen
+    shading: Shading
 
 
 class SkinMaps(NamedTuple):
@@ -88,7 +90,7 @@ def sample_appearance(
     """
     shares = np.asarray(ancestry, dtype=np.float64)
     asian, european = float(shares[1]), float(shares[2])
-    child = dict(zip(_Appearance.__annotations__, rng.spawn(12), strict=True))
+    child = dict(zip(_Appearance.__annotations__, rng.spawn(13), strict=True))
     hair = sample_hair_colour(
         child["hair_colour"], age=age, ancestry=shares, masculinity=masculinity
     )
@@ -108,6 +110,7 @@ def sample_appearance(
         "lashes": sample_lashes(child["lashes"], masculinity=masculinity),
         "grain": sample_grain(child["grain"], masculinity=masculinity, age=age),
         "sheen": sample_sheen(child["sheen"], age=age),
+        "shading": sample_shading(child["shading"], age=age),
     }
 
 
@@ -123,6 +126,7 @@ class SkinPainter:
         self._layout = layout = Layout(chart)
         self._pigments = PigmentPainter(layout)
         self._grain = GrainPainter(layout)
+        self._shading = ShadingPainter(layout)
         size = layout.coarse.shape[1::-1]
         lips = cv2.resize(layout.lips, size, interpolation=cv2.INTER_AREA)
         self._sheen = SheenPainter(layout.coarse, np.asarray(lips))
@@ -141,7 +145,7 @@ class SkinPainter:
         Returns:
             Albedo, relief and sheen.
         """
-        of_tone, of_beard, of_brows, of_sheen = np.random.default_rng(seed).spawn(4)
+        of_tone, of_beard, of_brows, of_sheen, of_shading = np.random.default_rng(seed).spawn(5)
         layout, hair = self._layout, appearance["hair_colour"]
         lines = draw_lines(appearance["lines"], regions.FACE)
         coarse, fine = split_heights(lines, regions.FACE.pixel_mm)
@@ -156,6 +160,7 @@ class SkinPainter:
             groove,
             of_tone,
         )
+        self._shading.paint(albedo, appearance["shading"], of_shading)
         grain.height[layout.face] += groove
         self._features.paint_make_up(albedo, appearance["make_up"])
         self._features.paint_lash_lines(albedo, appearance["lashes"])

@@ -25,7 +25,6 @@ from lrsr.identities.face.mouth import JAW_UNITS, build_mouth, cavity, lining
 from lrsr.identities.face.resting import RestingFace, act, rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.gate import draw_plausible, record
-from lrsr.identities.gate.mildness import draws_averaged, mean_anatomy
 from lrsr.identities.gate.plausibility import Plausibility, check_face, check_hair
 from lrsr.identities.hair.choice import sample_hair
 from lrsr.identities.hair.hair import build_hair
@@ -46,7 +45,7 @@ from lrsr.identities.shape.position_map import PositionMap, draw_triangles, fill
 from lrsr.identities.shape.proportions import load_gauge
 from lrsr.identities.skin.relief import displace
 
-RECIPE_VERSION = "8"
+RECIPE_VERSION = "9"
 """Changes whenever the same seed would give other pixels."""
 
 STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")
@@ -139,10 +138,9 @@ def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
 
 def _draw_face(who: Mapping[str, Any], attempt: int) -> tuple[Anatomy, RestingFace]:
     names, rng = load_basis().names, stream(who["seed"], "anatomy", attempt)
-    traits = {trait: who[trait] for trait in ("masculinity", "age")}
-    draws = range(draws_averaged(attempt))
-    anatomy = mean_anatomy([sample_anatomy(names, load_gauge(), rng, **traits) for _ in draws])
-    return anatomy, rest_face(coefficients(names, anatomy, ancestry=who["ancestry"], **traits))
+    traits = {trait: who[trait] for trait in ("masculinity", "age", "ancestry")}
+    anatomy = sample_anatomy(names, load_gauge(), rng, **traits)
+    return anatomy, rest_face(coefficients(names, anatomy, **traits))
 
 
 def _draw_hair(who: Mapping[str, Any], attempt: int) -> dict[str, Any]:

@@ -27,7 +27,7 @@ IRIS_COLOURS: dict[str, tuple[float, float, float]] = {
     "hazel": (0.135, 0.085, 0.030),
     "green": (0.100, 0.120, 0.060),
     "grey": (0.145, 0.158, 0.162),
-    "blue": (0.088, 0.146, 0.215),
+    "blue": (0.080, 0.118, 0.158),
 }
 """Middle of the iris, linear sRGB."""
 
@@ -70,7 +70,7 @@ def sample_iris(rng: Generator, *, european: float, eumelanin: float, age: float
         colour = str(rng.choice(("black", "dark brown", "brown"), p=(black, 0.5, 0.5 - black)))
     return {
         "colour": colour,
-        "half_angle_rad": float(rng.uniform(0.345, 0.39)),
+        "half_angle_rad": float(np.clip(rng.normal(0.357, 0.01), 0.33, 0.385)),
         "pupil_share": float(rng.uniform(0.30, 0.48)),
         "brightness": float(np.exp(rng.normal(0.0, 0.20 if colour in _LIGHT else 0.35))),
         "limbus": float(rng.uniform(0.35, 0.9)),
@@ -122,9 +122,9 @@ def _paint_sclera(
     iris: Iris, angle: NDArray[np.float32], azimuth: NDArray[np.float32], rng: Generator
 ) -> NDArray[np.float32]:
     size = angle.shape[0]
-    white = np.array([0.49, 0.448, 0.42], dtype=np.float32)
-    pink = np.array([0.42, 0.225, 0.19], dtype=np.float32)
-    yellow = np.array([0.47, 0.39, 0.28], dtype=np.float32)
+    white = np.array([0.33, 0.302, 0.283], dtype=np.float32)
+    pink = np.array([0.30, 0.16, 0.135], dtype=np.float32)
+    yellow = np.array([0.32, 0.265, 0.19], dtype=np.float32)
     # Blood and fat lie towards the corners of the lids, left and right of the iris.
     corner = smoothstep(0.42, 1.05, angle) * (0.35 + 0.65 * np.cos(azimuth) ** 2)
     rim = smoothstep(0.95, 1.45, angle)

@@ -15,78 +15,33 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from lrsr.identities.population import ANCESTRIES
-from lrsr.identities.shape.proportions import Gauge, restrain
+from lrsr.identities.shape.proportions import Gauge, draw_measures, fit_measures
 
 GENDERS = ("female", "male")
 AGES = ("young", "old")
 LEVELS = ("min", "average", "max")
 
-SHAPE_GAIN = 2.0
-"""Widens all local variation, so that real recognisers tell the people apart; more looks like
-caricature."""
-_ANCESTRY_GAIN = 1.55
+_ANCESTRY_GAIN = 1.4
 """Exaggerates a mix of ancestries about the equal one."""
-_ASYMMETRY = 0.22 * 1.2
+_USUAL_ASYMMETRY = 0.21
+_ASYMMETRY = {"nose": 0.37, "ear": 0.1}
+"""Spread of the one-sided targets of a part, so that noses and chins stray from the midline by
+Farkas' 1.2 and 1.6 mm."""
 
 REGION_WIDTH = {
-    "head": 0.11,
-    "forehead": 0.21,
-    "eyebrows": 0.85,
-    "eyes": 0.85,
-    "nose": 0.74,
-    "mouth": 0.66,
-    "cheek": 0.17,
-    "chin": 0.21,
-    "ears": 0.4,
-    "neck": 0.25,
+    "head": 0.1,
+    "forehead": 0.15,
+    "eyebrows": 0.35,
+    "eyes": 0.35,
+    "nose": 0.35,
+    "mouth": 0.3,
+    "cheek": 0.15,
+    "chin": 0.2,
+    "ears": 0.2,
+    "neck": 0.2,
 }
-"""Standard deviation of a slider; 1 is the full length of a MakeHuman target.
-
-Recognisers tell people apart by brows, eyes, nose and mouth, and hardly by the outline of the head
-(docs/people.md), which is what the eye reads as caricature first: the former vary more."""
-
-_DAMPING = {
-    "nose-nostrils-angle": 0.4,
-    "nose-flaring": 0.5,
-    "nose-point-down-up": 0.42,
-    "nose-nostrils-width": 0.6,
-    "nose-scale-depth": 0.45,
-    "nose-width3": 0.7,
-    "eye-scale": 0.8,
-    "eye-height2": 0.8,
-    "eye-push1": 0.8,
-    "eye-push2": 0.8,
-    "ear-wing": 0.6,
-    "ear-shape": 0.5,
-    "ear-scale-decr": 0.7,
-    "neck-double": 0.6,
-    "mouth-angles": 0.4,
-    "mouth-scale-depth": 0.6,
-    "mouth-trans-backward": 0.45,
-    "eyebrows-angle": 0.5,
-    "mouth-laugh-lines": 0.6,
-    "mouth-dimples": 0.6,
-    "cheek-inner": 0.7,
-    "cheek-volume": 0.7,
-    "chin-bones": 0.7,
-    "chin-cleft": 0.7,
-    "eye-bag": 0.6,
-    "nose-septumangle": 0.6,
-    "nose-compression": 0.6,
-    "head-age": 0.4,
-    "nose-volume": 0.42,
-    "nose-point-width": 0.65,
-    "nose-hump": 0.6,
-    "forehead-nubian": 0.7,
-    "mouth-upperlip-volume": 0.6,
-    "mouth-lowerlip-volume": 0.6,
-    "mouth-cupidsbow": 0.7,
-    "mouth-philtrum": 0.7,
-    "mouth-scale-vert": 0.8,
-    "head-fat": 0.8,
-    "chin-jaw-drop": 0.7,
-}
-"""Sliders whose extremes look odd before others do: the factor on their width, by name's start."""
+"""Standard deviation of what no measure sees of a slider; 1 is the full length of a MakeHuman
+target."""
 
 
 class _Trend(NamedTuple):
@@ -123,7 +78,8 @@ _TRENDS = {
     "chin/chin-height-decr-incr": _Trend(sex=0.25),
     "chin/chin-prominent-decr-incr": _Trend(sex=0.3),
     "cheek/cheek-bones-decr-incr": _Trend(sex=-0.2),
-    "eyes/eye-scale-decr-incr": _Trend(average=0.8, sex=-0.42),
+    "eyes/eye-scale-decr-incr": _Trend(average=0.45, sex=-0.18),
+    "eyes/eye-trans-in-out": _Trend(average=0.15),
     "eyes/eye-height2-decr-incr": _Trend(average=0.4, sex=-0.3),
     "eyebrows/eyebrows-trans-backward-forward": _Trend(sex=0.1),
     "eyebrows/eyebrows-trans-down-up": _Trend(sex=-0.7),
@@ -132,14 +88,16 @@ _TRENDS = {
     "nose/nose-scale-vert-decr-incr": _Trend(average=-0.2, sex=0.2),
     "nose/nose-width2-decr-incr": _Trend(sex=0.35),
     "nose/nose-width1-decr-incr": _Trend(sex=0.3),
-    "nose/nose-scale-horiz-decr-incr": _Trend(average=-0.14, sex=0.26),
+    "nose/nose-scale-horiz-decr-incr": _Trend(average=-0.1, sex=0.18),
     "nose/nose-width3-decr-incr": _Trend(average=-0.05, sex=0.1),
     "nose/nose-volume-decr-incr": _Trend(average=-0.4, sex=0.2),
     "nose/nose-point-width-decr-incr": _Trend(average=-0.2, sex=0.1),
-    "nose/nose-scale-depth-decr-incr": _Trend(average=0.1, sex=-0.05),
+    "nose/nose-scale-depth-decr-incr": _Trend(average=-0.05),
     "nose/nose-point-down-up": _Trend(average=0.05, sex=-0.12),
-    "head/head-scale-horiz-decr-incr": _Trend(average=-0.05, sex=-0.15),
+    "head/head-scale-horiz-decr-incr": _Trend(average=-0.1, sex=-0.1),
     "head/head-fat-decr-incr": _Trend(average=-0.2, sex=-0.12),
+    "mouth/mouth-trans-down-up": _Trend(average=0.16, sex=-0.1),
+    "mouth/mouth-scale-horiz-decr-incr": _Trend(average=0.08, sex=-0.06),
     "mouth/mouth-angles-down-up": _Trend(average=0.3, sex=-0.2),
     "cheek/cheek-inner-decr-incr": _Trend(average=0.2, sex=-0.2),
     "eyes/eye-push2-in-out": _Trend(average=0.9),
@@ -165,7 +123,7 @@ _RESTING_UNITS = {
     "jawForward": 0.15,
 }
 """Face units of a resting face and the width of their strength."""
-_EXPRESSION_SHARE = 0.6
+_EXPRESSION_SHARE = 0.25
 """How many people show each of them."""
 
 
@@ -194,35 +152,42 @@ def _pairs(names: Sequence[str]) -> dict[str, list[str]]:
     return pairs
 
 
-def _damping(slider: str) -> float:
-    pair = slider.split("/")[1]
-    return next((f for start, f in _DAMPING.items() if pair.startswith(start)), 1.0)
-
-
-def _draw_sliders(
-    names: Sequence[str], gauge: Gauge, masculinity: float, age: float, rng: Generator
+def _fit_sliders(
+    names: Sequence[str],
+    gauge: Gauge,
+    usual: Mapping[str, float],
+    weights: NDArray[np.float64],
+    rng: Generator,
 ) -> dict[str, float]:
-    drawn: dict[str, float] = {}
-    widths: list[float] = []
-    for region, sliders in _pairs(names).items():
-        z = rng.standard_normal(len(sliders))
-        z *= min(1.0, 1.05 * np.sqrt(len(z)) / np.linalg.norm(z))
-        width = REGION_WIDTH[region] * SHAPE_GAIN * np.array([_damping(s) for s in sliders])
-        drawn |= dict(zip(sliders, (1.1 * np.tanh(z * width / 1.1)).tolist(), strict=True))
-        widths += width.tolist()
+    """Draw sliders that give a person's measures.
+
+    Args:
+        names: The fields of the basis.
+        gauge: What they do to the measures of a face.
+        usual: The average person's sliders.
+        weights: ``(K,)`` coefficients of the person with these sliders.
+        rng: Source of randomness.
+    """
     place = {name: k for k, name in enumerate(names)}
-    ends = np.array([[place[f"{slider}/-"], place[f"{slider}/+"]] for slider in drawn])
-    kept = restrain(gauge, np.array(list(drawn.values())), ends, np.array(widths))
-    values = dict(zip(drawn, kept.tolist(), strict=True))
+    ends = np.array([[place[f"{slider}/-"], place[f"{slider}/+"]] for slider in usual])
+    width = np.array([REGION_WIDTH[slider.split("/")[0]] for slider in usual])
+    drawn = np.array(list(usual.values())) + width * rng.standard_normal(len(usual))
+    fitted = fit_measures(gauge, weights, drawn, ends, width, draw_measures(rng))
+    return dict(zip(usual, np.clip(fitted, -1.5, 1.5).tolist(), strict=True))
+
+
+def _usual_sliders(
+    names: Sequence[str], masculinity: float, age: float, rng: Generator
+) -> dict[str, float]:
+    """Return the sliders of the average person of that sex and age; some age more than others."""
+    sliders = {slider: 0.0 for region in _pairs(names).values() for slider in region}
     beyond = max(0.0, age - 0.3)
     for slider, trend in _TRENDS.items():
+        value = trend.average + trend.sex * (2.0 * masculinity - 1.0)
         if trend.age:
-            values[slider] += trend.age * beyond * abs(rng.normal(0.7, 0.5))
-        if masculinity < 0.5:
-            values[slider] += trend.women_age * beyond
-        values[slider] += trend.sex * (2.0 * masculinity - 1.0)
-        values[slider] += trend.average
-    return {slider: float(np.clip(value, -1.5, 1.5)) for slider, value in values.items()}
+            value += trend.age * beyond * abs(rng.normal(0.7, 0.5))
+        sliders[slider] = value + (trend.women_age * beyond if masculinity < 0.5 else 0.0)
+    return sliders
 
 
 def _draw_expression(names: Sequence[str], rng: Generator) -> dict[str, float]:
@@ -238,7 +203,13 @@ def _draw_expression(names: Sequence[str], rng: Generator) -> dict[str, float]:
 
 
 def sample_anatomy(
-    names: Sequence[str], gauge: Gauge, rng: Generator, *, masculinity: float, age: float
+    names: Sequence[str],
+    gauge: Gauge,
+    rng: Generator,
+    *,
+    masculinity: float,
+    age: float,
+    ancestry: Mapping[str, float],
 ) -> Anatomy:
     """Draw a person's anatomy beyond sex, age and ancestry.
 
@@ -248,6 +219,7 @@ def sample_anatomy(
         rng: Source of randomness.
         masculinity: 0 (female) to 1 (male).
         age: 0 (25 years) to 1 (old).
+        ancestry: Shares of :data:`lrsr.identities.population.ANCESTRIES`, summing to 1.
 
     Returns:
         Plain numbers; :func:`coefficients` turns them into a shape.
@@ -255,19 +227,24 @@ def sample_anatomy(
     shapes = [name.split("/")[1] for name in names if name.startswith("shape/")]
     sides = [name.split("/")[1] for name in names if name.startswith("asym/")]
     amount = rng.uniform(0.1, 0.5)
-    asymmetry = np.clip(rng.normal(0.0, _ASYMMETRY, len(sides)), -0.6, 0.6)
-    return {
+    spread = [_ASYMMETRY.get(side.split("-")[1], _USUAL_ASYMMETRY) for side in sides]
+    asymmetry = np.clip(rng.normal(0.0, spread), -0.6, 0.6)
+    traits = {"masculinity": masculinity, "age": age}
+    anatomy: Anatomy = {
         "muscle": float(rng.uniform(0.22, 0.5 + 0.25 * masculinity)),
         "weight": float(np.clip(rng.normal(0.5, 0.22), 0.04, 0.96)),
         "head_shapes": dict(
             zip(shapes, (amount * rng.dirichlet([0.3] * len(shapes))).tolist(), strict=True)
         ),
-        "sliders": _draw_sliders(names, gauge, masculinity, age, rng),
+        "sliders": _usual_sliders(names, masculinity, age, rng),
         "asymmetry": {
             side: float(value) for side, value in zip(sides, asymmetry, strict=True) if value > 0
         },
         "expression": _draw_expression(names, rng),
     }
+    usual = coefficients(names, anatomy, **traits, ancestry=ancestry)
+    sliders = _fit_sliders(names, gauge, anatomy["sliders"], usual, rng)
+    return {**anatomy, "sliders": sliders}
 
 
 def _tents(value: float) -> dict[str, float]:

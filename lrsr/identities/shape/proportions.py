@@ -1,19 +1,22 @@
-"""Which proportions do faces have? Measured distances keep drawn shapes within human variation.
+"""Which proportions do faces have? Distances that vary between people as those of adults do.
 
-Sliders drawn one by one add up: ten of them lengthen the chin. Every measure here is a difference
-of coordinates of two vertices, hence linear in the coefficients of the shape space, so what a set
-of sliders does to all measures is one small matrix product, and the smallest change of the sliders
-that brings the measures back is a least-squares step. What no measure sees stays as drawn.
+Sliders drawn one by one add up: ten of them lengthen the chin. So the distances are drawn, with the
+spread and the correlations of people, and the sliders are made to fit them. Every measure here is a
+difference of coordinates of two vertices, hence linear in the coefficients of the shape space, and
+the smallest change of the sliders that gives the drawn measures is a least-squares step: Matheron's
+rule for a Gaussian that is conditioned on them. What no measure sees stays as drawn.
 
 Standard deviations within one sex and ancestry follow Farkas, "Anthropometry of the Head and Face"
 (2nd ed., 1994), rounded.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import NDArray
 
 from lrsr.identities.shape.basis import load_basis
@@ -22,11 +25,16 @@ _Group = Literal["features", "outline"]
 """Features of the face seen from in front; outline of head and profile."""
 
 X, Y, Z = 0, 1, 2
-LIMIT_SD = {"outline": 1.6, "features": 2.2}
-"""Measures saturate softly towards this many standard deviations. Of 36 measures of a person one
-or two lie farther out, but heads, jaws and profiles that do look like caricatures, and tell
-recognisers little; the features of a face seen from in front may."""
-STEPS = 3
+_IN_COMMON = {"outline": 0.55, "features": 0.25}
+"""Share of a measure's variance that it has in common with all others along its axis: breadths of
+head, cheekbones and jaws correlate by 0.5 to 0.65, features less (Farkas 1994)."""
+_AS_WIDE_AS = {"width between the ears": "width of the head"}
+_FARTHEST_SD = 2.5
+"""One person in eighty is farther from the mean in a measure; those look like caricatures."""
+_STEPS = 8
+_TOLERANCE = 0.03
+"""Of the variance of a measure, what it may miss the wanted one by: sliders that nearly cancel each
+other would have to go to their ends for the last tenth of a millimetre."""
 
 
 class Measure(NamedTuple):
@@ -108,17 +116,31 @@ MEASURES = (
 )
 
 
+_PLACE = {measure.name: k for k, measure in enumerate(MEASURES)}
+
+_SEALS = (
+    Measure("parting of the lips", Y, (0.0, -72.4, 13.3), (0.0, -73.7, 12.9), 0.25),
+    Measure("left parting of the lips", Y, (-11.1, -72.1, 11.5), (-11.6, -73.8, 10.8), 0.25),
+    Measure("right parting of the lips", Y, (11.1, -72.1, 11.5), (11.6, -73.8, 10.8), 0.25),
+)
+"""What no two people differ in, whatever their sex, age and ancestry: lips at rest are closed."""
+_PRESSED_MM = 1.5
+"""By how much they press upon each other, so that no draw shows what is behind them."""
+
+
 @dataclass(frozen=True)
 class Gauge:
     """What every field of the basis does to every measure.
 
     Attributes:
         effects: ``(M, K)``: mm per unit of a coefficient.
-        limits: ``(M,)`` mm: where a measure saturates.
+        seals: ``(3, K)``: the same of the lips' parting.
+        sealed_mm: ``(3,)``: what the coefficients of a face with closed lips add to it.
     """
 
     effects: NDArray[np.float64]
-    limits: NDArray[np.float64]
+    seals: NDArray[np.float64]
+    sealed_mm: NDArray[np.float64]
 
 
 @lru_cache(maxsize=1)
@@ -132,51 +154,78 @@ def load_gauge() -> Gauge:
     head = np.unique(basis.quads[basis.region == 0])
     skin = average.skin[head] - origin
 
-    def row(point: tuple[float, float, float], axis: int) -> int:
-        return 3 * int(head[np.argmin(np.linalg.norm(skin - point, axis=1))]) + axis
+    def rows(measures: Sequence[Measure], end: str) -> list[int]:
+        points = [(measure.axis, np.array(getattr(measure, end))) for measure in measures]
+        nearest = [head[np.linalg.norm(skin - point, axis=1).argmin()] for _, point in points]
+        return [3 * int(vertex) + axis for vertex, (axis, _) in zip(nearest, points, strict=True)]
 
-    high = [row(measure.high, measure.axis) for measure in MEASURES]
-    low = [row(measure.low, measure.axis) for measure in MEASURES]
-    effects = (basis.fields[high] - basis.fields[low]).toarray()
-    limits = [LIMIT_SD[measure.of] * measure.sd_mm for measure in MEASURES]
-    return Gauge(effects, np.array(limits))
+    def effects(measures: Sequence[Measure]) -> NDArray[np.float64]:
+        difference = basis.fields[rows(measures, "high")] - basis.fields[rows(measures, "low")]
+        return np.asarray(difference.toarray())
 
-
-def _saturate(extent: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Leave what is within half the limit, lead what is beyond softly to the limit itself."""
-    beyond = np.maximum(np.abs(extent) - 0.5, 0.0)
-    within = np.minimum(np.abs(extent), 0.5)
-    return np.asarray(np.sign(extent) * (within + 0.5 * np.tanh(2.0 * beyond)))
+    seals = effects(_SEALS)
+    return Gauge(effects(MEASURES), seals, seals @ basis.neutral - _PRESSED_MM)
 
 
-def restrain(
+def draw_measures(rng: Generator) -> NDArray[np.float64]:
+    """Draw how far the measures of a person are from the mean of the person's sex and ancestry.
+
+    Both sides of a face get the same; :mod:`lrsr.identities.shape.anatomy` makes them differ.
+
+    Returns:
+        ``(M,)``, mm, in the order of :data:`MEASURES`.
+    """
+    of_axis, own = rng.standard_normal(3), dict[str, float]()
+    drawn = np.zeros(len(MEASURES))
+    for k, measure in enumerate(MEASURES):
+        name = measure.name.replace("left ", "").replace("right ", "")
+        name = _AS_WIDE_AS.get(name, name)
+        if name not in own:
+            own[name] = rng.standard_normal()
+        common = _IN_COMMON[measure.of]
+        z = np.sqrt(common) * of_axis[measure.axis] + np.sqrt(1 - common) * own[name]
+        drawn[k] = measure.sd_mm * np.clip(z, -_FARTHEST_SD, _FARTHEST_SD)
+    whole, *parts = (
+        _PLACE[f"height of the {part}"] for part in ("lower face", "upper lip", "chin")
+    )
+    drawn[whole] = drawn[parts].sum()
+    return drawn
+
+
+def fit_measures(
     gauge: Gauge,
+    usual: NDArray[np.float64],
     values: NDArray[np.float64],
     columns: NDArray[np.int64],
     width: NDArray[np.float64],
+    wanted_mm: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Change sliders as little as possible until no measure is extreme.
+    """Change sliders as little as possible until they give the measures that are wanted.
 
     Args:
         gauge: Of the basis.
-        values: ``(S,)`` sliders, positive towards their "+" end.
+        usual: ``(K,)`` coefficients of the person with the sliders of the average one.
+        values: ``(S,)`` sliders as drawn, positive towards their "+" end.
         columns: ``(S, 2)`` coefficients of each slider's "-" and "+" end.
         width: ``(S,)`` > 0: standard deviation of each slider; wide ones give way more.
+        wanted_mm: ``(M,)``, how far the measures shall be from those of ``usual``.
 
     Returns:
-        ``(S,)`` new sliders.
+        ``(S,)`` new sliders; with them the lips close, too.
     """
+    sd = np.array([measure.sd_mm for measure in (*MEASURES, *_SEALS)])
+    effects = np.concatenate([gauge.effects, gauge.seals])
+    without = usual.copy()
+    without[columns] = 0.0
+    wanted = np.concatenate([wanted_mm + gauge.effects @ usual, gauge.sealed_mm])
+    wanted = (wanted - effects @ without) / sd
+    minus, plus = (effects[:, ends] / sd[:, None] for ends in columns.T)
     values = values.copy()
-    wanted: NDArray[np.float64] | None = None
-    for _ in range(STEPS):  # a slider that crosses zero acts by its other end from then on
-        positive = values >= 0
-        ends = np.where(positive, columns[:, 1], columns[:, 0])
-        scaled = gauge.effects[:, ends] * np.where(positive, 1.0, -1.0) / gauge.limits[:, None]
-        extent = scaled @ values
-        if wanted is None:
-            wanted = _saturate(extent)
-        spread = scaled * width**2
-        system = spread @ scaled.T
-        system += 1e-3 * np.trace(system) / len(system) * np.eye(len(system))
-        values += spread.T @ np.linalg.solve(system, wanted - extent)
+    for step in range(_STEPS):  # a slider that crosses zero acts by its other end from then on
+        acting = np.where(values >= 0, plus, -minus)
+        spread = acting * width**2
+        system = spread @ acting.T
+        system += np.diag(_TOLERANCE * np.diag(system) + 1e-9)
+        change = spread.T @ np.linalg.solve(system, wanted - acting @ values)
+        values += change / (1 + step // 2)  # smaller and smaller, lest one goes to and fro
     return values

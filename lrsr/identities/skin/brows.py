@@ -14,15 +14,15 @@ _FloatArray = NDArray[np.float64]
 CANVAS = Canvas(left_mm=-66.0, top_mm=48.0, width_mm=132.0, height_mm=52.0)
 """The part of the frontal sheet that brows may cover."""
 
-_BASE_HEIGHT_MM = 16.0
-"""Height of the template's brow ridge over the pupils; ``height_mm`` is counted from here."""
+_BASE_HEIGHT_MM = 14.9
+"""Height of people's brows over the pupils, on the template; ``height_mm`` is counted from here."""
 
 _STRANDS = 420
 _REFERENCE_THICKNESS_MM = 4.2
 _LAYERS = 8  # hairs of different layers cover each other in part
 _HAIR_LEVELS = (84, 108, 132, 156)  # opacity of a hair drawn one pixel (0.2 mm) wide, of 255
-_SHADE_BLUR_MM = 0.9
-_SHADE = 0.48
+_SHADE_BLUR_MM = 1.1
+_SHADE = 0.55
 
 
 class Brows(TypedDict):
@@ -55,18 +55,18 @@ def sample_brows(rng: Generator, *, masculinity: float) -> Brows:
         Plain numbers.
     """
     m = float(masculinity)
-    thickness = float(1.3 + 1.5 * m + (3.9 + 4.4 * m) * rng.beta(1.3 + 0.6 * m, 1.9))
+    thickness = float(np.clip(rng.normal(4.6 + 2.6 * m, 1.2), 3.0, 10.0))
     return {
-        "start_mm": float(rng.uniform(6.5, 17.0 - 1.0 * m)),
-        "end_mm": float(rng.uniform(40.0, 59.0)),
-        "height_mm": float(np.clip(rng.normal(2.8 - 2.8 * m, 3.8), thickness / 2 - 7.2, 8.5)),
-        "arch_mm": float(0.3 + 8.2 * rng.beta(2.0 - 0.7 * m, 1.8 + 1.8 * m)),
+        "start_mm": float(np.clip(rng.normal(17.5 - 1.5 * m, 2.4), 9.0, 22.0)),
+        "end_mm": float(np.clip(rng.normal(51.0, 3.8), 42.0, 60.0)),
+        "height_mm": float(np.clip(rng.normal(1.4 - 2.2 * m, 0.9), -1.8, 4.0)),
+        "arch_mm": float(0.3 + 6.0 * rng.beta(2.0 - 0.7 * m, 1.8 + 1.8 * m)),
         "peak": float(rng.uniform(0.44, 0.82)),
         "slope_mm": float(np.clip(rng.normal(-0.4 - 0.4 * m, 1.9), -4.5, 1.4)),
         "tail_mm": float(rng.uniform(0.8, 5.5)),
         "thickness_mm": thickness,
         "taper": float(rng.uniform(0.4, 1.1)),
-        "density": float(np.clip(np.exp(rng.normal(-0.15 + 0.45 * m, 0.8)), 0.15, 4.0)),
+        "density": float(np.clip(np.exp(rng.normal(0.15 + 0.35 * m, 0.45)), 0.6, 4.0)),
         "strand_mm": float(rng.uniform(4.5, 8.0)),
         "bridge": float(rng.uniform(0.15, 0.7)) if rng.random() < 0.005 + 0.03 * m else 0.0,
         "unevenness_mm": float(rng.normal(0.0, 0.45)),
@@ -110,7 +110,7 @@ def brow_thickness(brows: Brows, along: _FloatArray) -> _FloatArray:
         ``(...)``, mm.
     """
     tip = np.clip((1 - along) / 0.7, 0, 1) ** brows["taper"]
-    head = 0.80 + 0.20 * np.clip(along / 0.2, 0, 1)
+    head = 0.70 + 0.30 * np.clip(along / 0.25, 0, 1)
     return np.asarray(brows["thickness_mm"] * np.maximum(tip * head, 0.10))
 
 
@@ -129,13 +129,13 @@ def brow_strands(brows: Brows, rng: Generator) -> _FloatArray:
     """
     usual = _STRANDS * brows["density"] * brows["thickness_mm"] / _REFERENCE_THICKNESS_MM
     count = max(20, round(usual))
-    along = rng.beta(1.15, 1.2, count)
+    along = rng.beta(1.5, 1.25, count)
     # The first hairs stand singly before the others, and tails thin out.
     along -= np.clip(rng.exponential(0.03, count), 0, 0.09) * np.clip(1 - along / 0.2, 0, 1)
     gone = brows["sparse_tail"] * np.clip((along - 0.5) / 0.5, 0, 1)
     along = np.where(rng.random(count) < gone, 0.85 * rng.random(count), along)
     # Hairs gather in tufts.
-    across = np.clip(rng.normal(0.0, 0.31, count), -0.75, 0.75)
+    across = np.clip(rng.normal(0.0, 0.3, count), -0.6, 0.6)
     along += 0.006 * np.sin(along * (55.0 + 7.0 * np.sin(9.0 * across)) + 4.0 * across)
     thickness = brow_thickness(brows, along)
     root = brow_line(brows, along)

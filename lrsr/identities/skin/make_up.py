@@ -54,10 +54,10 @@ def sample_lips(rng: Generator, *, masculinity: float, melanin: float) -> Lips:
         Plain numbers.
     """
     dark = float(np.clip(np.log(melanin / 0.03) / 2.0, 0.0, 1.0))
-    least, most = 1.15 - 0.65 * masculinity, 2.10 - 0.80 * masculinity
+    least, most = 1.2 - 0.5 * masculinity, 2.0 - 0.7 * masculinity
     return {
         "blood": float(rng.uniform(least, most)) * (1 - 0.25 * dark),
-        "melanin": float(rng.uniform(0.0, 0.32)) + dark * float(rng.uniform(-0.25, 0.35)),
+        "melanin": float(rng.uniform(0.15, 0.5)) + dark * float(rng.uniform(-0.25, 0.35)),
     }
 
 
@@ -81,7 +81,7 @@ def sample_make_up(rng: Generator, *, masculinity: float, age: float) -> MakeUp:
         return float(rng.uniform(low, high)) * (1 - fades * age) if worn else 0.0
 
     return {
-        "lipstick": opacity(0.65, 0.25, 0.75, 0.15),
+        "lipstick": opacity(0.5, 0.2, 0.5, 0.15),
         "lipstick_colour": [float(channel) for channel in np.asarray(shade) * tint],
         "eyeliner": opacity(0.95, 0.45, 0.95, 0.35),
         "eyeshadow": opacity(0.60, 0.15, 0.55, 0.5),

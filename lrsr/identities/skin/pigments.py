@@ -45,8 +45,7 @@ class PigmentPainter:
         waterline[layout.face] = regions.lid_margin(layout.face_pixels, 1.2) * layout.front
         self._waterline = Patches(waterline)
         contact = regions.lip_contact(layout.position) * layout.lips
-        dark = np.float32(0.45) * contact + np.float32(0.5) * regions.nostrils(layout.position)
-        self._contact = Patches(dark)
+        self._contact = Patches(np.float32(0.45) * contact)
 
     def paint(
         self,

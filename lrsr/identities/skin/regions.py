@@ -81,7 +81,7 @@ def front(position: NDArray[Any]) -> FloatMap:
 
 
 def lip_mask(position: NDArray[Any], pixels: FloatMap) -> FloatMap:
-    """Vermilion of both lips, its border softened over about 2 mm, and the mouth's inside.
+    """Vermilion of both lips, its border softened over about 1.5 mm, and the mouth's inside.
 
     Args:
         position: ``(..., 3)``, template points, mm.
@@ -92,7 +92,7 @@ def lip_mask(position: NDArray[Any], pixels: FloatMap) -> FloatMap:
     """
     sheet = FACE.blank()
     FACE.fill_polygon(sheet, lip_outline())
-    sheet = cv2.GaussianBlur(sheet, (0, 0), 0.95 / FACE.pixel_mm)
+    sheet = cv2.GaussianBlur(sheet, (0, 0), 0.7 / FACE.pixel_mm)
     lips = FACE.sample(sheet, pixels).astype(np.float32) / 255
     return np.asarray(lips * smoothstep(-45.0, -30.0, position[..., 2]), dtype=np.float32)
 
@@ -162,8 +162,3 @@ def _cheeks(position: NDArray[Any]) -> FloatMap:
 def lids(position: NDArray[Any]) -> FloatMap:
     """The upper lids up to the brows, [0, 1]."""
     return blob(position, (31.0, 4.0, 0.0), (12.0, 4.5, 20.0))
-
-
-def nostrils(position: NDArray[Any]) -> FloatMap:
-    """The insides of the nostrils, [0, 1]."""
-    return blob(position, (8.5, -47.5, 5.0), (3.4, 1.8, 6.0))

@@ -42,8 +42,9 @@ def test_pupil_iris_and_sclera_meet_at_their_angles(size: int) -> None:
     iris = eye[(angle > 0.20) & (angle < 0.34)]
     assert 0.02 < iris.mean() < 0.1
     sclera = eye[(angle > 0.48) & (angle < 0.8)]
-    assert sclera.min() > 0.3
-    assert sclera.mean() > 8 * iris.mean()
+    assert sclera.min() > 0.25
+    assert sclera.mean() < 0.33  # darker than a cheek, as in photographs
+    assert sclera.mean() > 5 * iris.mean()
 
 
 def test_a_wider_iris_covers_more() -> None:
@@ -110,7 +111,7 @@ def test_samples_keep_to_the_recipe_and_are_plain() -> None:
     rng = np.random.default_rng(0)
     for _ in range(50):
         iris = sample_iris(rng, european=0.7, eumelanin=1.0, age=0.5)
-        assert 0.345 <= iris["half_angle_rad"] <= 0.39
+        assert 0.33 <= iris["half_angle_rad"] <= 0.385
         assert json.loads(json.dumps(iris)) == iris
 
 

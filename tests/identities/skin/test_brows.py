@@ -46,11 +46,11 @@ def test_samples_keep_to_the_recipes_ranges(masculinity: float) -> None:
     rng = np.random.default_rng(1)
     drawn = [eyebrows.sample_brows(rng, masculinity=masculinity) for _ in range(300)]
     limits = {
-        "start_mm": (6.5, 17.0),  # 13 to 34 mm between the brows
-        "end_mm": (40, 59),
-        "arch_mm": (0.3, 8.5),
+        "start_mm": (9.0, 22.0),
+        "end_mm": (42.0, 60.0),
+        "arch_mm": (0.3, 6.3),
         "peak": (0.44, 0.82),
-        "thickness_mm": (1.3, 11.1),
+        "thickness_mm": (3.0, 10.0),
         "bridge": (0, 1),
     }
     for name, (low, high) in limits.items():

@@ -94,9 +94,3 @@ def test_the_lid_margin_follows_the_lids() -> None:
     lower = regions.FACE.to_pixels(np.array([[[-31.5, -5.7]]]))
     assert regions.lid_margin(lower, 2.0)[0, 0] > 0.5
     assert regions.lid_margin(lower, 2.0, upper=True)[0, 0] == 0
-
-
-def test_nostrils_lie_below_the_nose() -> None:
-    inside, cheek = _at(regions.nostrils, (8.5, -47.5, 5.0), (30.0, -47.5, 0.0))
-    assert inside == 1
-    assert cheek < 1e-3
