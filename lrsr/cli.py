@@ -33,7 +33,7 @@ from lrsr.paths import config_folder, prepare_home, user_path
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-COMMANDS = {
+_COMMANDS = {
     "demo": "the whole story in minutes, into one report.html",
     "render": "probes, references and gallery into a folder",
     "train": "sr=srcnn2x|srcnn4x|edsr2x|edsr4x or recognition=arcface",
@@ -48,7 +48,7 @@ _USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixe
 usage: lrsr COMMAND [key=value ...] [--cfg job] [--multirun] [--help] [--debug]
 
 commands:
-{chr(10).join(f"  {name:<11} {does}" for name, does in COMMANDS.items())}
+{chr(10).join(f"  {name:<11} {does}" for name, does in _COMMANDS.items())}
 
 examples:
   lrsr demo
@@ -111,9 +111,9 @@ def _run_or_help(words: list[str]) -> None:
 
 
 def _run(name: str, words: list[str]) -> None:
-    if name not in COMMANDS:
-        near = get_close_matches(name, COMMANDS, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {', '.join(COMMANDS)}"
+    if name not in _COMMANDS:
+        near = get_close_matches(name, _COMMANDS, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {', '.join(_COMMANDS)}"
         raise InputError(f"no command {name!r}: {hint}")
     Path.cwd()  # fails where it was removed
     prepare_home()

@@ -72,11 +72,11 @@ def cache_folder() -> Path:
     try:
         folder = Path(base).expanduser() / "lrsr"
     except RuntimeError:  # neither HOME nor an entry among the users
-        return scratch_folder()
-    return folder if _exists_or_can(folder) else scratch_folder()
+        return _scratch_folder()
+    return folder if _exists_or_can(folder) else _scratch_folder()
 
 
-def scratch_folder() -> Path:
+def _scratch_folder() -> Path:
     """Return a folder of the user's own, made if need be, among the temporary files.
 
     Raises:
@@ -98,7 +98,7 @@ def scratch_folder() -> Path:
 def prepare_home() -> None:
     """Give libraries that keep something at home another place where there is no home to write."""
     if not _exists_or_can(Path(os.environ.get("HOME") or "/nowhere") / ".config"):
-        os.environ.setdefault("MPLCONFIGDIR", str(scratch_folder()))
+        os.environ.setdefault("MPLCONFIGDIR", str(_scratch_folder()))
 
 
 def _exists_or_can(folder: Path) -> bool:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lrsr.errors import InputError
 from lrsr.paths import asset
 
-_FIRST_NM, LAST_NM = 380.0, 730.0
+_FIRST_NM, _LAST_NM = 380.0, 730.0
 """Beyond lies at most 0.02 % of D65's X, Y and Z, and nothing that a camera's filters pass."""
 
 BANDS = 35
@@ -66,7 +66,7 @@ def band_edges(count: int) -> tuple[float, ...]:
     """
     if not 7 <= count <= 350:
         raise InputError(f"bands={count}: give 0 for three colours, or 7 to 350 spectral bands")
-    return tuple(np.linspace(_FIRST_NM, LAST_NM, count + 1).round(6).tolist())
+    return tuple(np.linspace(_FIRST_NM, _LAST_NM, count + 1).round(6).tolist())
 
 
 def average(curve_nm: _FloatArray, curves: _FloatArray, edges_nm: Sequence[float]) -> _FloatArray:
@@ -93,7 +93,7 @@ def average(curve_nm: _FloatArray, curves: _FloatArray, edges_nm: Sequence[float
 
 
 @lru_cache(maxsize=8)
-def observer(edges_nm: tuple[float, ...]) -> _FloatArray:
+def _observer(edges_nm: tuple[float, ...]) -> _FloatArray:
     """Return what each band adds to X, Y and Z of the CIE 1931 observer, ``(3, N)``.
 
     Y of :func:`daylight` is 1.
@@ -118,7 +118,7 @@ def daylight(edges_nm: tuple[float, ...]) -> _FloatArray:
     """Return the bands ``(N,)`` of standard daylight D65 of luminance 1, the white of sRGB."""
     values = table("cie_1931")
     bands = average(values[0], values[4:5], edges_nm)[0]
-    return np.asarray(bands / (observer(edges_nm)[1] @ bands))
+    return np.asarray(bands / (_observer(edges_nm)[1] @ bands))
 
 
 def srgb_weights(
@@ -137,7 +137,7 @@ def srgb_weights(
         >>> (srgb_weights(edges) @ daylight(edges)).round(6).tolist()
         [1.0, 1.0, 1.0]
     """
-    xyz = observer(edges_nm)
+    xyz = _observer(edges_nm)
     standard = xyz @ daylight(edges_nm)
     if white is not None:
         seen = xyz @ np.asarray(white)

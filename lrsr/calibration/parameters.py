@@ -64,7 +64,7 @@ PARAMETERS = (
     Parameter("contrast", 1.0, 0.4, 2.5, 0.2, True, "slope of the tone curve"),
     Parameter("saturation", 1.0, 0.2, 4.0, 0.2, True, "factor of the colour differences"),
 )
-NAMES = tuple(parameter.name for parameter in PARAMETERS)
+_NAMES = tuple(parameter.name for parameter in PARAMETERS)
 
 _MTF_CYCLES = 0.1
 """Where the lens's blur is compared with a Gaussian's, cycles a pixel: below any zero."""

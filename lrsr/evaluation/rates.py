@@ -73,7 +73,7 @@ class CmcCurve:
         return float(self.hit_rate[0])
 
 
-def fnmr_at_fmr(
+def _fnmr_at_fmr(
     genuine: ArrayLike, impostor: ArrayLike, target_fmr: float, level: float = 0.95
 ) -> OperatingPoint:
     """Measure FNMR at the largest FMR that some threshold reaches without passing the target.
@@ -92,7 +92,7 @@ def fnmr_at_fmr(
             score is not finite, or a dtype is not real.
 
     Example:
-        >>> point = fnmr_at_fmr([0.2, 0.6, 0.7, 0.9], [0.1, 0.2, 0.3, 0.8, 0.8], 0.3)
+        >>> point = _fnmr_at_fmr([0.2, 0.6, 0.7, 0.9], [0.1, 0.2, 0.3, 0.8, 0.8], 0.3)
         >>> point.fmr, point.fnmr, point.few_false_matches
         (0.0, 0.75, True)
     """
@@ -124,7 +124,7 @@ def equal_error_rate(curve: RocCurve) -> float:
     return x0 if x0 == x1 else min(x0 + y0, x1 + y1) / 2
 
 
-def d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:
+def _d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:
     """Measure the separation of the two score distributions in units of their mean spread.
 
     d' = (mean genuine - mean impostor) / sqrt((var genuine + var impostor) / 2), with sample
@@ -139,7 +139,7 @@ def d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:
             finite, or a dtype that is not real.
 
     Example:
-        >>> round(d_prime([2, 4], [0, 2]), 4)
+        >>> round(_d_prime([2, 4], [0, 2]), 4)
         1.4142
     """
     moments = []
@@ -186,14 +186,14 @@ class Rates:
         return sum(self._failed) / len(self._failed)
 
     def fnmr(self, level: float = 0.95) -> tuple[OperatingPoint, ...]:
-        """Measure as :func:`fnmr_at_fmr` at each target; the source has a genuine score."""
+        """Measure as ``_fnmr_at_fmr`` at each target; the source has a genuine score."""
         highest, n = self._highest.scores(), self._moments.n
         return tuple(
             _operating_point(self._genuine, highest, n, target, level) for target in self._targets
         )
 
     def d_prime(self) -> float:
-        """Measure as :func:`d_prime`, of two scores of a kind or more.
+        """Measure as ``_d_prime``, of two scores of a kind or more.
 
         Raises:
             ScoreError: Both kinds are without any spread.

@@ -39,7 +39,7 @@ from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encod
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-NEAREST = 10
+_NEAREST = 10
 """Pairs that are shown side by side."""
 
 
@@ -199,7 +199,7 @@ def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
         people=tuple(filter(None, (gallery.people[one] for one in drawn))),
         angles_deg=pairwise_angles_deg(rows),
         first_angles_deg=pairwise_angles_deg(firsts),
-        pairs=tuple(closest_pairs(rows, NEAREST)),
+        pairs=tuple(closest_pairs(rows, _NEAREST)),
         outcome=outcome,
     )
 

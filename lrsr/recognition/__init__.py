@@ -1,11 +1,11 @@
-"""From an image and five landmarks to an embedding, and from embeddings to scores."""
+"""From an image and five landmarks to an embedding."""
 
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lrsr.recognition.engine import Engine, cosine_scores
+    from lrsr.recognition.engine import Engine
 
-__all__ = ["Engine", "cosine_scores"]
+__all__ = ["Engine"]
 
 
 def __getattr__(name: str) -> object:

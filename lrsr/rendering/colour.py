@@ -8,7 +8,7 @@ from lrsr.errors import InputError
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Of linear sRGB (BT.709)."""
 
-_COOLEST_K, HOTTEST_K = 2000.0, 25000.0
+_COOLEST_K, _HOTTEST_K = 2000.0, 25000.0
 """Cooler light is redder than any sRGB colour; the formulas end at the hottest."""
 
 _DAYLIGHT_K = 4000.0
@@ -39,9 +39,9 @@ def chromaticity(kelvin: float) -> tuple[float, float]:
         >>> [round(value, 3) for value in chromaticity(6504)]
         [0.313, 0.329]
     """
-    if not _COOLEST_K <= kelvin <= HOTTEST_K:
+    if not _COOLEST_K <= kelvin <= _HOTTEST_K:
         raise InputError(
-            f"colour temperature {kelvin} K: give {_COOLEST_K:.0f} to {HOTTEST_K:.0f}, or rgb"
+            f"colour temperature {kelvin} K: give {_COOLEST_K:.0f} to {_HOTTEST_K:.0f}, or rgb"
         )
     t = float(kelvin)
     if t < _DAYLIGHT_K:

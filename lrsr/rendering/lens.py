@@ -20,7 +20,7 @@ CHANNELS_NM = (611.4, 549.1, 464.2)
 traced at where a lens is asked to disperse."""
 
 
-def widest_f_number(surfaces: Sequence[Surface]) -> float:
+def _widest_f_number(surfaces: Sequence[Surface]) -> float:
     """Return the f-number of the stop as it is drawn."""
     radius = surfaces[stop_number(surfaces)].semi_aperture_mm * abs(entrance_pupil(surfaces)[1])
     return focal_length_mm(surfaces) / (2 * radius)
@@ -80,7 +80,7 @@ class Lens:
             raise InputError(f"lens {self.name!r}: {error}") from error
         if self.surfaces[-1].glass != AIR:
             raise InputError(f"lens {self.name!r} ends in glass: give its last surface air behind")
-        widest = widest_f_number(self.surfaces)
+        widest = _widest_f_number(self.surfaces)
         if self.f_number is not None and self.f_number < widest * (1 - 1e-9):
             raise InputError(
                 f"lens {self.name!r}: f_number={self.f_number}; it opens to {widest:.4g} at most"

@@ -124,11 +124,11 @@ class Panel:
         settle_numbers(self, "panel", *(each.name for each in fields(self)))
         numbers = (*self.position_mm, self.width_mm, self.height_mm, self.irradiance)
         sound = len(numbers) == 6 and min(numbers[3:]) > 0
-        if not sound or self.distance_mm < NEAREST_MM:
+        if not sound or self.distance_mm < _NEAREST_MM:
             raise InputError(
                 f"panel at {self.position_mm} mm, {self.width_mm} x {self.height_mm} mm, irradiance"
                 f" {self.irradiance}: give finite numbers, sizes and irradiance > 0, and a position"
-                f" at least {NEAREST_MM:g} mm away"
+                f" at least {_NEAREST_MM:g} mm away"
             )
         check_colour("panel: rgb", self.rgb, self.kelvin)
 
@@ -157,7 +157,7 @@ class Panel:
         return matrix
 
 
-NEAREST_MM = 200.0
+_NEAREST_MM = 200.0
 """A panel that is nearer would stand in the head."""
 
 

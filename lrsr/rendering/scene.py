@@ -16,9 +16,9 @@ from lrsr.rendering.pose import FRONTAL, Pose
 from lrsr.rendering.skin import REFLECTIVE, Skin
 from lrsr.rendering.standpoint import LEVEL, Standpoint
 
-SCALES = (1, 2, 4)
+_SCALES = (1, 2, 4)
 
-LEAST_SAMPLES = 64
+_LEAST_SAMPLES = 64
 """Samples a pixel of a large face, unless it is told to take fewer."""
 
 _WHOLE = {
@@ -91,8 +91,8 @@ class Film:
         _settle(self, "", "bands")
         if not 0 < self.ipd_px < 2000:
             raise InputError(f"ipd_px={self.ipd_px:g}: wanted a number of pixels > 0 and < 2000")
-        if self.scale not in SCALES:
-            raise InputError(f"scale={self.scale}: wanted one of {SCALES}")
+        if self.scale not in _SCALES:
+            raise InputError(f"scale={self.scale}: wanted one of {_SCALES}")
         if 0 < self.bands < 7:
             raise InputError(f"bands={self.bands}: wanted 0, or 7 to 350")
 
@@ -123,12 +123,12 @@ class Quality:
         """Return the quality of a film of that size, where this one is that of 8 px.
 
         A larger face gets the same number of rays, so that it is as free of noise after alignment,
-        but at least :data:`LEAST_SAMPLES` a pixel (or as many as this one has).
+        but at least ``_LEAST_SAMPLES`` a pixel (or as many as this one has).
 
         Example:
             >>> Quality(512).at(16).samples_per_pixel
             128
         """
         fair = round(self.samples_per_pixel * min(1.0, 8 / ipd_px) ** 2)
-        samples = min(self.samples_per_pixel, max(fair, LEAST_SAMPLES))
+        samples = min(self.samples_per_pixel, max(fair, _LEAST_SAMPLES))
         return replace(self, samples_per_pixel=samples)

@@ -170,7 +170,7 @@ class Faces(Rendered):
     def train_dataloader(self) -> DataLoader[tuple[torch.Tensor, ...]]:
         """Return batches of crops ``(B, 3, 112, 112)`` uint8, who each is, and which are sharp."""
         _, people, sharp = (tensor.numpy() for tensor in self.faces.tensors)
-        draw = partial(draw_views, people, sharp, self.views)
+        draw = partial(_draw_views, people, sharp, self.views)
         order = EpochOrder(draw, batch_size=self.batch_size, seed=self.seed)
         return DataLoader(self.faces, sampler=order, batch_size=None)
 
@@ -179,7 +179,7 @@ class Faces(Rendered):
         return DataLoader(self.validation, batch_size=None)
 
 
-def draw_views(
+def _draw_views(
     people: NDArray[np.int64], sharp: NDArray[np.bool_], views: int, rng: np.random.Generator
 ) -> NDArray[np.int64]:
     """Draw rows of every person, half of them sharp where there are both kinds.

@@ -107,7 +107,7 @@ class Identification(Learner):
 
     def on_validation_epoch_end(self) -> None:
         """Log val/auc_ipd64 ... and their mean, val/auc."""
-        for name, auc in verification_aucs(self._embedded).items():
+        for name, auc in _verification_aucs(self._embedded).items():
             self.log(f"val/{name}", auc)
         self._embedded = {}
 
@@ -148,10 +148,10 @@ class Identification(Learner):
     def _measured(self, embedder: Embedder) -> dict[str, float]:
         sets = cast("Any", self.trainer).datamodule.val_dataloader()
         embedded = {name: embedder(crops.float() / 255) for name, crops in sets}
-        return {f"val/{name}": auc for name, auc in verification_aucs(embedded).items()}
+        return {f"val/{name}": auc for name, auc in _verification_aucs(embedded).items()}
 
 
-def verification_aucs(embedded: Mapping[str, NDArray[np.float32]]) -> dict[str, float]:
+def _verification_aucs(embedded: Mapping[str, NDArray[np.float32]]) -> dict[str, float]:
     """Compare each set of probes with the gallery, everybody with everybody.
 
     Args:
@@ -161,7 +161,7 @@ def verification_aucs(embedded: Mapping[str, NDArray[np.float32]]) -> dict[str, 
         "auc_NAME" for each probe set, and "auc", their mean.
 
     Example:
-        >>> verification_aucs({"gallery": np.eye(3), "ipd8": np.eye(3)})
+        >>> _verification_aucs({"gallery": np.eye(3), "ipd8": np.eye(3)})
         {'auc_ipd8': 1.0, 'auc': 1.0}
     """
     gallery = embedded["gallery"]

@@ -32,7 +32,7 @@ _NOISE = (
 )
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES}
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 
 def train(
@@ -83,7 +83,7 @@ def train(
     if last is None:
         keeper.tell([])
     else:
-        log.info("going on from %s", last)
+        logger.info("going on from %s", last)
     runner = _build_trainer(folder, trainer, [*callbacks, keeper], loggers)
     _fit(runner, module, data, last)
     told = _metrics(module, runner) | {"seed": seed, "settings": dict(depends_on)}
@@ -107,7 +107,7 @@ def _build_trainer(
     precision = given.get("precision", "auto")
     if precision == "auto":
         precision, why = choose_precision(given.get("accelerator", "auto"))
-        log.info("training in %s", why)
+        logger.info("training in %s", why)
     try:
         return make(
             precision=precision,

@@ -12,11 +12,11 @@ from lrsr.rendering.glass import refractive_index
 from lrsr.rendering.lens import biconvex
 from lrsr.rendering.surfaces import (
     Surface,
+    _paraxial,
     entrance_pupil,
     exit_pupil,
     focal_length_mm,
     image_of,
-    paraxial,
     reversed_surfaces,
     stop_number,
     trace,
@@ -102,7 +102,7 @@ def test_images_obey_newtons_equation() -> None:
 
 
 def test_a_matrix_has_determinant_one() -> None:
-    assert np.linalg.det(paraxial(DOUBLE_GAUSS)) == pytest.approx(1, abs=1e-12)
+    assert np.linalg.det(_paraxial(DOUBLE_GAUSS)) == pytest.approx(1, abs=1e-12)
 
 
 @pytest.mark.parametrize("q", [-1.0, 0.0, 0.7, 1.0], ids=lambda q: f"q={q}")
