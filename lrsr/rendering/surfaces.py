@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.configuration import require, settle
 from lrsr.errors import InputError
 from lrsr.rendering.glass import AIR, D_LINE_NM, refractive_index
 
@@ -46,12 +47,9 @@ class Surface:
         Raises:
             InputError: A length that cannot be, or an unknown glass.
         """
-        lengths = (self.radius_mm, self.thickness_mm, self.power_per_mm)
-        if not (all(map(math.isfinite, lengths)) and self.semi_aperture_mm > 0):
-            raise InputError(
-                f"surface of radius {self.radius_mm}, thickness {self.thickness_mm}, semi-aperture"
-                f" {self.semi_aperture_mm}: give finite numbers in mm and a semi-aperture > 0"
-            )
+        settle(self, "surface")
+        name, aperture = "surface.semi_aperture_mm", self.semi_aperture_mm
+        require(aperture > 0, name, f"{aperture:g}", "a number of millimetres > 0")
         refractive_index(self.glass)  # refuses an unknown one
 
     @property
