@@ -39,10 +39,14 @@ def run_folder(config: "DictConfig") -> Iterator[Path]:
     hydra = HydraConfig.get()
     if config.paths.run is None:
         name = f"{datetime.now():%Y-%m-%d_%H-%M-%S}"
-        folder = fresh_folder(user_path(config.paths.runs) / str(hydra.job.config_name) / name)
+        folder = fresh_folder(
+            user_path(config.paths.runs, "paths.runs") / str(hydra.job.config_name) / name
+        )
     else:
         sweep = hydra.mode == RunMode.MULTIRUN
-        folder = make_folder(user_path(config.paths.run) / (str(hydra.job.num) if sweep else ""))
+        folder = make_folder(
+            user_path(config.paths.run, "paths.run") / (str(hydra.job.num) if sweep else "")
+        )
     with locked(folder, wait=False):
         yield folder
 
@@ -57,14 +61,16 @@ def section(schema: type[_Schema], config: "DictConfig", key: str) -> _Schema:
     from omegaconf.errors import OmegaConfBaseException
 
     try:
-        given = OmegaConf.to_container(config[key], resolve=True)  # while it has its parents
+        given: Any = OmegaConf.to_container(config[key], resolve=True)  # while it has its parents
         merged = OmegaConf.merge(OmegaConf.structured(schema), given)
         values = OmegaConf.to_container(merged, resolve=True)
     except OmegaConfBaseException as error:
         place = getattr(error, "full_key", None)
         name = f"{key}.{place}" if place else key
         reason = str(error).splitlines()[0]
-        if "is not a ListConfig" in reason:
+        if "with ListConfig" in reason:  # a mapping, which OmegaConf does not name
+            name = next(f"{key}.{one}" for one, node in given.items() if isinstance(node, dict))
+        if "ListConfig" in reason:
             reason = f"wanted a list, e.g. {name}=[...]"
         raise InputError(f"{name}: {reason}") from error
     found: dict[str, Any] = values  # type: ignore[assignment]  # those of the schema
@@ -127,7 +133,7 @@ def flag(config: "DictConfig", key: str) -> bool:
     Raises:
         InputError: It is neither.
     """
-    return as_flag(config[key], key)
+    return _as_flag(config[key], key)
 
 
 def numbered(config: "DictConfig", key: str) -> dict[int, dict[str, Any]]:
@@ -151,7 +157,7 @@ def numbered(config: "DictConfig", key: str) -> dict[int, dict[str, Any]]:
 
 def words(config: "DictConfig", key: str) -> list[str]:
     """Read a list of words; one word is a list of one."""
-    return [str(value) for value in _listed(config[key])]
+    return [as_word(value, key) for value in _listed(config[key])]
 
 
 def require(holds: bool, key: str, value: object, wanted: str) -> None:
@@ -202,7 +208,7 @@ def as_whole(value: object, name: str) -> int:
     return int(value)
 
 
-def as_flag(value: object, name: str) -> bool:
+def _as_flag(value: object, name: str) -> bool:
     """Return true or false; ``name`` is what the message calls it.
 
     Raises:
@@ -234,7 +240,7 @@ def as_mapping(value: object, name: str) -> Mapping[Any, Any]:
     return value
 
 
-def as_list(value: object, name: str) -> list[Any]:
+def _as_list(value: object, name: str) -> list[Any]:
     """Return the values of a list, whoever made it.
 
     Raises:
@@ -255,7 +261,7 @@ def as_parts(kind: type[_Schema], value: object, name: str) -> tuple[_Schema, ..
         InputError: It is no list, or something in it is no such dataclass.
     """
     built = []
-    for number, each in enumerate(as_list(value, name)):
+    for number, each in enumerate(_as_list(value, name)):
         place = f"{name}.{number}"
         if isinstance(each, kind):
             built.append(each)
@@ -295,7 +301,7 @@ def _kinds(schema: Any) -> dict[str, Any]:
 
 
 def _settled(value: object, kind: Any, name: str) -> object:
-    plain = {float: as_number, int: as_whole, bool: as_flag, str: as_word}
+    plain = {float: as_number, int: as_whole, bool: _as_flag, str: as_word}
     inner = get_args(kind)
     if type(None) in inner:
         return None if value is None else _settled(value, inner[0], name)

@@ -33,21 +33,23 @@ def asset(name: str) -> Path:
     return path
 
 
-def path_if_any(text: object) -> Path | None:
+def path_if_any(text: object, name: str) -> Path | None:
     """Return the absolute path that a user wrote; None where null was written.
 
     Raises:
         InputError: See :func:`user_path`.
     """
-    return None if text is None else user_path(text)
+    return None if text is None else user_path(text, name)
 
 
-def user_path(text: object) -> Path:
+def user_path(text: object, name: str = "path") -> Path:
     """Return the absolute path that a user wrote, ``~`` and ``~name`` expanded.
 
     Raises:
-        InputError: It is empty or a loop of links, or there is no such home folder.
+        InputError: It is no word, empty or a loop of links, or there is no such home folder.
     """
+    if isinstance(text, bool) or not isinstance(text, str | int | Path):
+        raise InputError(f"{name}={text}: wanted a path")
     if not str(text).strip():
         raise InputError("a path is empty: write . for this folder")
     try:

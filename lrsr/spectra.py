@@ -26,7 +26,7 @@ _FloatArray = NDArray[np.float64]
 _FINE = 20
 """Points at which a curve is looked at within a band."""
 
-_XYZ_TO_RGB = np.array(
+XYZ_TO_RGB = np.array(
     [
         [3.2404542, -1.5371385, -0.4985314],
         [-0.9692660, 1.8760108, 0.0415560],
@@ -109,7 +109,7 @@ def srgb_curves() -> _FloatArray:
     At the wavelengths of :func:`table` "cie_1931", every 5 nm; rows sum to 1.
     """
     _, *observers, light = table("cie_1931")
-    curves = _XYZ_TO_RGB @ (np.array(observers) * light)
+    curves = XYZ_TO_RGB @ (np.array(observers) * light)
     return np.asarray(curves / curves.sum(axis=1, keepdims=True))
 
 
@@ -143,9 +143,9 @@ def srgb_weights(
         seen = xyz @ np.asarray(white)
         gains = (_BRADFORD @ standard) / (_BRADFORD @ (seen / seen[1]))
         xyz = np.linalg.inv(_BRADFORD) @ (gains[:, None] * (_BRADFORD @ xyz))
-    rows = _XYZ_TO_RGB @ xyz
+    rows = XYZ_TO_RGB @ xyz
     # The printed matrix misses white by up to 2e-4.
-    return np.asarray(rows / (_XYZ_TO_RGB @ standard)[:, None])
+    return np.asarray(rows / (XYZ_TO_RGB @ standard)[:, None])
 
 
 def photometric_unit() -> float:

@@ -99,16 +99,17 @@ def uses(tree: ast.Module) -> Iterator[str]:
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
+    docstrings = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     for node in ast.walk(tree):
-        if isinstance(node, ast.Name) and node.id in bound:
-            yield bound[node.id]
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            for name in bound.keys() & set(re.findall(r"\w+", node.value)):
-                yield bound[name]  # a quoted annotation
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            yield f"{bound.get(node.value.id, node.value.id)}.{node.attr}"
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            yield from re.findall(r"lrsr(?:\.\w+)+", node.value.replace(":", "."))
+        match node:
+            case ast.Name(id=name) if name in bound:
+                yield bound[name]
+            case ast.Attribute(value=ast.Name(id=name), attr=own):
+                yield f"{bound.get(name, name)}.{own}"
+            case ast.Constant(value=str(text)) if id(node) not in docstrings:
+                yield from re.findall(r"lrsr(?:\.\w+)+", text)
+                for name in bound.keys() & set(re.findall(r"\w+", text)):
+                    yield bound[name]  # a quoted annotation
 
 
 @cache

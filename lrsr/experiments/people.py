@@ -28,7 +28,7 @@ from lrsr.pages import data_uri, encode_face, write_page
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import write_manifest
 from lrsr.pictures.image_files import write_png
-from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.maker import Maker, MitsubaMaker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.source import chunks
 from lrsr.pictures.to_folder import Shoot
@@ -82,7 +82,7 @@ class Uniqueness(UniquenessSettings):
         Raises:
             InputError: A file or a folder is wrong, or an encoder is missing.
         """
-        maker = maker or mitsuba_maker()
+        maker = maker or MitsubaMaker()
         encoder = load_encoder(self.encoder, self.model)
         gallery = Gallery(self, cache, encoder, maker, progress=progress)
         findings = find_distinct(self, gallery)

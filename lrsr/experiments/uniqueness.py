@@ -84,6 +84,8 @@ class UniquenessSettings:
         Raises:
             InputError: A value is out of range, or dlib is asked for and not installed.
         """
+        landmarks = config.recognition.landmarks
+        require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
         encoder = resolve_encoder(str(config.encoder))
         given = config.smallest_angle_deg is not None
         least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
@@ -93,7 +95,7 @@ class UniquenessSettings:
             smallest_angle_deg=least,
             most_redraws=whole_number(config, "most_redraws"),
             camera=build(config.camera, "camera"),
-            model=path_if_any(config.recognition.model),
+            model=path_if_any(config.recognition.model, "recognition.model"),
         )
 
 

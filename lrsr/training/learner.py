@@ -97,17 +97,25 @@ class Learner(LightningModule):
         optimizer = self.make_optimizer(self.parameter_groups())
         if self.make_scheduler is None:
             return optimizer
-        asked = inspect.signature(self.make_scheduler).parameters
-        length = {
-            name: int(self.trainer.estimated_stepping_batches)
-            for name in ("T_max", "total_steps")
-            if name in asked and asked[name].default in (None, inspect.Parameter.empty)
-        }
-        scheduler = self.make_scheduler(optimizer, **length)
+        length = int(self.trainer.estimated_stepping_batches) if self.follows_length else 0
+        scheduler = self.make_scheduler(optimizer, **dict.fromkeys(self._lengths(), length))
         return {
             "optimizer": optimizer,
             "lr_scheduler": {"scheduler": scheduler, "interval": "step"},
         }
+
+    @property
+    def follows_length(self) -> bool:
+        """Do the rates, from the first step on, depend on how long the run is to be?"""
+        return bool(self._lengths())
+
+    def _lengths(self) -> list[str]:
+        """Return the scheduler's arguments that the length of the run is filled in for."""
+        if self.make_scheduler is None:
+            return []
+        asked, unset = inspect.signature(self.make_scheduler).parameters, inspect.Parameter.empty
+        names = [name for name in ("T_max", "total_steps") if name in asked]
+        return [name for name in names if asked[name].default in (None, unset)]
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         """Add the history."""

@@ -13,7 +13,7 @@ from lrsr.configuration import as_whole
 from lrsr.errors import InputError
 from lrsr.identities.person import Person
 from lrsr.pictures.cache import RenderCache
-from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.maker import Maker, MitsubaMaker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
@@ -52,7 +52,7 @@ class Rendered(LightningDataModule):
     cache: RenderCache
     batch_size: int
     seed: int
-    maker: Maker = field(default_factory=mitsuba_maker)
+    maker: Maker = field(default_factory=MitsubaMaker)
     progress: bool = True
 
     def __post_init__(self) -> None:

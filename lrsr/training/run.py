@@ -76,7 +76,7 @@ def train(
     logging.getLogger("lightning.pytorch").setLevel(logging.WARNING)  # it advertises
     keeper = Keeper(folder, depends_on, seed)
     if resume:
-        refuse_other_run(folder, depends_on)
+        refuse_other_run(folder, depends_on, follows_length=module.follows_length)
     else:
         forget(folder)
     last = folder / "last.ckpt" if (folder / "last.ckpt").is_file() else None

@@ -7,7 +7,7 @@ from kornia.color import rgb_to_ycbcr
 from kornia.enhance import jpeg_codec_differentiable
 from scipy.fft import dctn
 
-from lrsr.camera.codec import CHROMAS, jpeg
+from lrsr.camera.codec import _CHROMAS, jpeg
 from lrsr.camera.soft_jpeg import (
     SHARING,
     _soft_round,
@@ -53,7 +53,7 @@ def test_it_is_near_the_real_codec_for_every_sampling(
 
 
 def test_samplings_are_those_of_the_real_codec() -> None:
-    assert list(SHARING) == list(CHROMAS)
+    assert list(SHARING) == list(_CHROMAS)
 
 
 def test_every_size_keeps_its_shape_and_a_flat_picture_its_level() -> None:

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from fakes.measures import d_prime, fnmr_at_fmr, trace_roc
 
 from lrsr.errors import ImageContractError, ScoreError
 from lrsr.evaluation.arrays import check_scores, plain_array
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
-from lrsr.evaluation.rates import _d_prime, _fnmr_at_fmr
-from lrsr.evaluation.roc import trace_roc
 from lrsr.evaluation.scores import Scores
 
 GENUINE, IMPOSTOR = np.array([2.0, 3, 1, 5]), np.array([0.0, 1, 2, 0, 3])
@@ -71,8 +70,8 @@ def test_numbers_of_any_origin_give_the_same_estimate(origin: str) -> None:
     assert estimate_auc(genuine, IMPOSTOR) == plain
     assert compare_aucs(genuine, impostor, GENUINE, IMPOSTOR).p == 1
     assert trace_roc(genuine, impostor).auc == plain.auc
-    assert _d_prime(genuine, impostor) == _d_prime(GENUINE, IMPOSTOR)
-    assert _fnmr_at_fmr(genuine, impostor, 0.2).fnmr == _fnmr_at_fmr(GENUINE, IMPOSTOR, 0.2).fnmr
+    assert d_prime(genuine, impostor) == d_prime(GENUINE, IMPOSTOR)
+    assert fnmr_at_fmr(genuine, impostor, 0.2).fnmr == fnmr_at_fmr(GENUINE, IMPOSTOR, 0.2).fnmr
 
 
 def test_booleans_are_zeros_and_ones() -> None:

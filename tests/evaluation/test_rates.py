@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from fakes.measures import d_prime, fnmr_at_fmr, trace_roc
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
@@ -17,11 +18,8 @@ from scipy.special import ndtr, ndtri
 from lrsr.errors import ScoreError
 from lrsr.evaluation.rates import (
     Rates,
-    _d_prime,
-    _fnmr_at_fmr,
     equal_error_rate,
 )
-from lrsr.evaluation.roc import trace_roc
 from lrsr.evaluation.scores import Scores
 
 NAN = float("nan")
@@ -63,7 +61,7 @@ def one_of_many(m: int, n: int, decimals: int, seed: int = 0) -> Scores:
 def test_operating_point_is_the_best_of_all_thresholds(
     genuine: list[int], impostor: list[int], percent: int
 ) -> None:
-    point = _fnmr_at_fmr(genuine, impostor, percent / 100)
+    point = fnmr_at_fmr(genuine, impostor, percent / 100)
     allowed = [p for p in oracle.operating_points(genuine, impostor) if p[0] * 100 <= percent]
     fmr, tmr = max(allowed)
     assert (point.fmr, point.fnmr) == (float(fmr), float(1 - tmr))
@@ -73,51 +71,51 @@ def test_operating_point_is_the_best_of_all_thresholds(
 def test_accepting_at_the_threshold_gives_the_stated_errors(dtype: type) -> None:
     genuine, impostor = (x.round(2).astype(dtype) for x in binormal())
     for target in (0.1, 0.01, 0.001):
-        point = _fnmr_at_fmr(genuine, impostor, target)
+        point = fnmr_at_fmr(genuine, impostor, target)
         assert (impostor >= dtype(point.threshold)).sum() == point.false_matches
         assert (genuine < dtype(point.threshold)).mean() == pytest.approx(point.fnmr)
 
 
 def test_a_target_is_the_decimal_that_was_written() -> None:
     # The float 0.3 is less than 3/10, yet three false matches of ten are 0.3.
-    assert _fnmr_at_fmr([0.0], np.arange(10), 0.3).false_matches == 3
+    assert fnmr_at_fmr([0.0], np.arange(10), 0.3).false_matches == 3
 
 
 def test_ties_across_the_target_stay_outside() -> None:
-    point = _fnmr_at_fmr([1.0, 3.0], [0, 2, 2, 2], 0.5)
+    point = fnmr_at_fmr([1.0, 3.0], [0, 2, 2, 2], 0.5)
     assert (point.fmr, point.fnmr) == (0, 0.5)
 
 
 @pytest.mark.parametrize(("n", "few"), [(9_999, True), (10_000, False)])
 def test_fewer_than_ten_expected_false_matches_are_flagged(n: int, few: bool) -> None:
-    assert _fnmr_at_fmr([1.0], np.arange(n), 0.001).few_false_matches is few
+    assert fnmr_at_fmr([1.0], np.arange(n), 0.001).few_false_matches is few
 
 
 def test_an_fmr_of_one_accepts_all() -> None:
-    point = _fnmr_at_fmr([-9.0], [0.0], 1)
+    point = fnmr_at_fmr([-9.0], [0.0], 1)
     assert (point.fmr, point.fnmr, point.threshold) == (1, 0, None)
 
 
 def test_an_fmr_of_zero_refuses_every_impostor_score() -> None:
-    point = _fnmr_at_fmr([1.0, 2.0, 3.0], [0.0, 2.0], 0)
+    point = fnmr_at_fmr([1.0, 2.0, 3.0], [0.0, 2.0], 0)
     assert (point.fmr, point.fnmr, point.threshold) == (0, 2 / 3, np.nextafter(2.0, 3))
 
 
 def test_operating_point_carries_wilsons_interval() -> None:
     # 2 of 10 missed: Wilson (1927) gives 0.0567 to 0.5098.
-    point = _fnmr_at_fmr(np.arange(10), [1.5], 0)
+    point = fnmr_at_fmr(np.arange(10), [1.5], 0)
     assert (point.fnmr_low, point.fnmr_high) == pytest.approx((0.0567, 0.5098), abs=5e-5)
 
 
 def test_operating_point_goes_to_json() -> None:
-    point = _fnmr_at_fmr(*binormal(), 0.01)
+    point = fnmr_at_fmr(*binormal(), 0.01)
     assert json.loads(json.dumps(asdict(point), allow_nan=False))["fmr"] == 0.01
 
 
 @pytest.mark.parametrize("target", [-0.1, 1.1, NAN])
 def test_a_target_outside_zero_to_one_is_refused(target: float) -> None:
     with pytest.raises(ScoreError, match="target FMR"):
-        _fnmr_at_fmr([1.0], [0.0], target)
+        fnmr_at_fmr([1.0], [0.0], target)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +130,7 @@ def test_an_operating_point_of_broken_scores_is_refused(
     genuine: list[float], impostor: list[float], message: str
 ) -> None:
     with pytest.raises(ScoreError, match=message):
-        _fnmr_at_fmr(genuine, impostor, 0.1)
+        fnmr_at_fmr(genuine, impostor, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -144,7 +142,7 @@ def test_tiles_have_the_operating_points_of_the_whole(
     targets: list[float], rows: int, decimals: int
 ) -> None:
     scores = one_of_many(60, 90, decimals)
-    wanted = [_fnmr_at_fmr(scores.genuine(), scores.impostor(), target) for target in targets]
+    wanted = [fnmr_at_fmr(scores.genuine(), scores.impostor(), target) for target in targets]
     assert gather(scores, targets, rows).fnmr() == tuple(wanted)
 
 
@@ -193,20 +191,18 @@ def test_equal_error_rate_at_the_extremes(
 
 def test_d_prime_of_unit_normals_is_their_distance() -> None:
     genuine, impostor = binormal(20_000, 20_000)
-    assert _d_prime(genuine, impostor) == pytest.approx(
+    assert d_prime(genuine, impostor) == pytest.approx(
         2, abs=4 * math.sqrt(2 / 20_000 + 1 / 20_000)
     )
 
 
 def test_d_prime_ignores_shift_and_scale() -> None:
     genuine, impostor = binormal()
-    assert _d_prime(3 * genuine + 7, 3 * impostor + 7) == pytest.approx(_d_prime(genuine, impostor))
+    assert d_prime(3 * genuine + 7, 3 * impostor + 7) == pytest.approx(d_prime(genuine, impostor))
 
 
 def test_d_prime_of_integers_is_that_of_floats() -> None:
-    assert _d_prime(np.int8([100, 120]), np.int8([-100, 0])) == _d_prime(
-        [100.0, 120.0], [-100.0, 0]
-    )
+    assert d_prime(np.int8([100, 120]), np.int8([-100, 0])) == d_prime([100.0, 120.0], [-100.0, 0])
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-6], ids=["wide", "narrow"])
@@ -221,18 +217,18 @@ def test_tiles_have_the_d_prime_of_the_whole(dtype: type, rows: int, scale: floa
     ]
     wanted = (moments[0][0] - moments[1][0]) / math.sqrt((moments[0][1] + moments[1][1]) / 2)
     assert gather(scores, (), rows).d_prime() == pytest.approx(wanted, rel=1e-9)
-    assert _d_prime(scores.genuine(), scores.impostor()) == pytest.approx(wanted, rel=1e-9)
+    assert d_prime(scores.genuine(), scores.impostor()) == pytest.approx(wanted, rel=1e-9)
 
 
 def test_d_prime_without_spread_is_refused() -> None:
     with pytest.raises(ScoreError, match="no unit"):
-        _d_prime([1, 1], [0, 0])
+        d_prime([1, 1], [0, 0])
 
 
 @pytest.mark.parametrize("genuine", [[1.0], [1.0, NAN]], ids=["one", "nan"])
 def test_d_prime_of_broken_scores_is_refused(genuine: list[float]) -> None:
     with pytest.raises(ScoreError, match="genuine"):
-        _d_prime(genuine, [0.0, 1.0])
+        d_prime(genuine, [0.0, 1.0])
 
 
 # Ranks.

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fakes.measures import d_prime, fnmr_at_fmr, trace_roc
 from oracles import auc as oracle
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import _auc_interval, compare_aucs, estimate_auc, measure_auc
-from lrsr.evaluation.rates import _d_prime, _fnmr_at_fmr, equal_error_rate
-from lrsr.evaluation.roc import trace_roc
+from lrsr.evaluation.rates import equal_error_rate
 from lrsr.evaluation.scores import CosineScores, Scores
 from lrsr.evaluation.summary import Summary, summarise
 
@@ -94,10 +94,10 @@ def check(summary: Summary, scores: Scores) -> None:
     assert summary.curve.false_matches.tolist() == curve.false_matches.tolist()
     assert summary.curve.true_matches.tolist() == curve.true_matches.tolist()
     assert summary.eer == equal_error_rate(curve)
-    assert summary.d_prime == pytest.approx(_d_prime(genuine, impostor), rel=1e-12)
+    assert summary.d_prime == pytest.approx(d_prime(genuine, impostor), rel=1e-12)
     assert summary.fta == np.isnan(scores.matrix).all(axis=1).mean()
     assert summary.cmc.rank_1 == rank_1(scores)
-    assert summary.fnmr == tuple(_fnmr_at_fmr(genuine, impostor, x) for x in (0.1, 0.01, 0.001))
+    assert summary.fnmr == tuple(fnmr_at_fmr(genuine, impostor, x) for x in (0.1, 0.01, 0.001))
 
 
 # Values from elsewhere.

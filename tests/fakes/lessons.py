@@ -137,3 +137,18 @@ def train_fake(network: str, folder: str, epochs: int) -> None:
         callbacks=[Progress()],
         depends_on={"network": network, "epochs": epochs},
     )
+
+
+def train_by_command(folder: str, epochs: int) -> int:
+    """Run ``lrsr train`` itself, on drawn pictures, with constant rates; return its status."""
+    from lrsr.cli import main
+    from lrsr.training import lessons
+
+    class Drawn(SyntheticPairs):
+        def about(self) -> dict[str, Any]:
+            return {}
+
+    torch.set_num_threads(1)
+    lessons.read_lessons = lambda *_: Drawn()  # type: ignore[assignment]
+    words = ["train", "sr=srcnn2x", "module.scheduler=null", f"trainer.max_epochs={epochs}"]
+    return main([*words, "trainer.accelerator=cpu", "identities.count=2", f"paths.run={folder}"])

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from fakes.measures import fnmr_at_fmr, trace_roc
 
 from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
-from lrsr.evaluation.rates import _fnmr_at_fmr
-from lrsr.evaluation.roc import trace_roc
 from lrsr.experiments.report.lines import _format_p
 from lrsr.experiments.report.page import Panel, write_report
 
@@ -37,7 +36,7 @@ def make_row(option: int, method: str, scores: tuple[np.ndarray, np.ndarray]) ->
         "eer": 0.25,
         "d_prime": 1.5,
         "rank_1": 0.5,
-        "fnmr": [asdict(_fnmr_at_fmr(*scores, target)) for target in (0.1, 0.001)],
+        "fnmr": [asdict(fnmr_at_fmr(*scores, target)) for target in (0.1, 0.001)],
     }
 
 
