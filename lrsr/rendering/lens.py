@@ -126,7 +126,7 @@ def biconvex(
         focal_mm: Focal length, mm, > 0.
         thickness_mm: Of the middle, mm.
         semi_aperture_mm: Radius of the open face, mm.
-        glass: Name in :data:`lrsr.rendering.glass.SELLMEIER`.
+        glass: Name of one that :func:`lrsr.rendering.glass.coefficients` knows.
 
     Raises:
         InputError: No such lens: it would be too thick, or its faces would meet inside the edge.
