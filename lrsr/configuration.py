@@ -133,7 +133,7 @@ def flag(config: "DictConfig", key: str) -> bool:
     Raises:
         InputError: It is neither.
     """
-    return _as_flag(config[key], key)
+    return as_flag(config[key], key)
 
 
 def numbered(config: "DictConfig", key: str) -> dict[int, dict[str, Any]]:
@@ -208,7 +208,7 @@ def as_whole(value: object, name: str) -> int:
     return int(value)
 
 
-def _as_flag(value: object, name: str) -> bool:
+def as_flag(value: object, name: str) -> bool:
     """Return true or false; ``name`` is what the message calls it.
 
     Raises:
@@ -240,7 +240,7 @@ def as_mapping(value: object, name: str) -> Mapping[Any, Any]:
     return value
 
 
-def _as_list(value: object, name: str) -> list[Any]:
+def as_list(value: object, name: str) -> list[Any]:
     """Return the values of a list, whoever made it.
 
     Raises:
@@ -261,7 +261,7 @@ def as_parts(kind: type[_Schema], value: object, name: str) -> tuple[_Schema, ..
         InputError: It is no list, or something in it is no such dataclass.
     """
     built = []
-    for number, each in enumerate(_as_list(value, name)):
+    for number, each in enumerate(as_list(value, name)):
         place = f"{name}.{number}"
         if isinstance(each, kind):
             built.append(each)
@@ -301,7 +301,7 @@ def _kinds(schema: Any) -> dict[str, Any]:
 
 
 def _settled(value: object, kind: Any, name: str) -> object:
-    plain = {float: as_number, int: as_whole, bool: _as_flag, str: as_word}
+    plain = {float: as_number, int: as_whole, bool: as_flag, str: as_word}
     inner = get_args(kind)
     if type(None) in inner:
         return None if value is None else _settled(value, inner[0], name)

@@ -131,7 +131,9 @@ class Jpeg(nn.Module):
         several = isinstance(qualities, Iterable) and not isinstance(qualities, str)
         given = [*qualities] if several else [qualities]  # type: ignore[misc]
         check_setting("qualities", given, len(given) > 0, "at least one")
-        self.qualities = tuple(whole("quality", one, "1 to 100", low=1, high=100) for one in given)
+        self.qualities = tuple(
+            whole("qualities", one, "1 to 100", low=1, high=100) for one in given
+        )
         self.chroma = check_choice("chroma", chroma, _CHROMAS)
 
     def forward(

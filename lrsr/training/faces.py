@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.camera import Camera
-from lrsr.configuration import as_number, require
+from lrsr.configuration import as_list, as_number, as_whole, require
 from lrsr.identities.person import Person
 from lrsr.images import resize_bicubic, scale_points
 from lrsr.pictures.picture import Picture, stack
@@ -80,9 +80,14 @@ class Faces(Rendered):
             value = getattr(self, name)
             require(value >= count, f"data.{name}", value, f"at least {count}")
         for name in ("sharp_ipd_px", "small_ipd_px"):
-            ipds = [as_number(ipd, f"data.{name}") for ipd in getattr(self, name)]
+            given = as_list(getattr(self, name), f"data.{name}")
+            ipds = [as_number(ipd, f"data.{name}") for ipd in given]
             holds = len(ipds) == 2 and 0 < ipds[0] <= ipds[1]
             require(holds, f"data.{name}", ipds, "0 < lowest <= highest")
+        for ipd in self.validation_ipd_px:
+            as_number(ipd, "data.validation_ipd_px")
+        for factor in self.enlargements:
+            as_whole(factor, "data.enlargements")
         require(len(self.people) >= 2, "identities.count", len(self.people), "at least 2")
         self.cameras = [self.camera.compressing(name) for name in self.compressions]
         self.plain, self.clean = self.camera.compressing("none"), self.camera.clean()

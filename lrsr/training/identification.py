@@ -9,7 +9,7 @@ import torch
 import torch.nn.functional as F
 from numpy.typing import NDArray
 
-from lrsr.configuration import as_number
+from lrsr.configuration import as_flag, as_number, as_whole
 from lrsr.errors import InputError
 from lrsr.evaluation.delong import measure_auc
 from lrsr.files import write_text
@@ -67,7 +67,8 @@ class Identification(Learner):
             raise InputError(f"module.scale={scale}: wanted a number > 0")
         if not 0 <= as_number(margin, "module.margin") < np.pi / 2:
             raise InputError(f"module.margin={margin}: wanted 0 to 1.57")
-        self.people, self.antialias, self.seed = people, antialias, seed
+        self.people, self.seed = as_whole(people, "module.people"), as_whole(seed, "module.seed")
+        self.antialias = as_flag(antialias, "module.antialias")
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, "weights"))
             self.backbone = Backbone().to(memory_format=torch.channels_last)

@@ -12,6 +12,7 @@ import torch
 from lightning.pytorch import LightningModule
 from lightning.pytorch.utilities.types import OptimizerLRScheduler
 
+from lrsr.configuration import as_number
 from lrsr.errors import InputError, NonFiniteError
 
 MakeOptimizer = partial[torch.optim.Optimizer]
@@ -33,6 +34,9 @@ class Learner(LightningModule):
         monitor: The logged figure that tells the best epoch.
         mode: Is more better ("max") or less ("min")?
         history: Every epoch's figures.
+
+    Raises:
+        InputError: Optimiser or schedule cannot be made with these settings.
     """
 
     monitor: ClassVar[str]
@@ -41,6 +45,14 @@ class Learner(LightningModule):
     def __init__(self, optimizer: MakeOptimizer, scheduler: MakeScheduler | None) -> None:
         super().__init__()
         self.make_optimizer, self.make_scheduler = optimizer, scheduler
+        if "lr" in optimizer.keywords:
+            as_number(optimizer.keywords["lr"], "module.optimizer.lr")
+        try:  # before anything is rendered
+            tried = optimizer([torch.nn.Parameter(torch.zeros(1))])
+            if scheduler is not None:
+                scheduler(tried, **dict.fromkeys(self._lengths(), 2))
+        except (TypeError, ValueError) as error:
+            raise InputError(f"module.optimizer or module.scheduler: {error}") from error
         self.history: list[dict[str, float]] = []
 
     @abstractmethod

@@ -41,7 +41,7 @@ def what_matters(config: Mapping[str, Any]) -> dict[str, Any]:
     """
     flat = dict(_flat(config))
     if flat.get("trainer.precision") == "auto":  # on another machine it may be another
-        flat["trainer.precision"], _ = choose_precision(flat["trainer.accelerator"])
+        flat["trainer.precision"], _ = choose_precision(flat.get("trainer.accelerator", "auto"))
     return {
         name: value
         for name, value in flat.items()

@@ -16,6 +16,7 @@ from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import Callback, LightningDataModule, Trainer
 from lightning.pytorch.loggers import Logger
 
+from lrsr.configuration import as_whole
 from lrsr.errors import InputError
 from lrsr.files import write_json
 from lrsr.provenance import versions
@@ -101,9 +102,11 @@ def _build_trainer(
     """Make the Trainer that writes into ``folder``.
 
     Raises:
-        InputError: Lightning refuses a setting.
+        InputError: A setting is none, or Lightning refuses it.
     """
     given: Mapping[str, Any] = getattr(make, "keywords", {})
+    for name in {"max_epochs", "log_every_n_steps"} & given.keys():
+        as_whole(given[name], f"trainer.{name}")  # Lightning takes anything
     precision = given.get("precision", "auto")
     if precision == "auto":
         precision, why = choose_precision(given.get("accelerator", "auto"))

@@ -183,7 +183,7 @@ def test_a_file_is_what_its_last_frame_becomes_however_often_it_is_compressed() 
 def test_settings_of_a_file_out_of_range_are_refused() -> None:
     with pytest.raises(InputError, match=r"qualities=\[\]: wanted at least one"):
         Jpeg([])
-    with pytest.raises(InputError, match="quality=0: wanted 1 to 100"):
+    with pytest.raises(InputError, match="qualities=0: wanted 1 to 100"):
         Jpeg([50, 0])
     with pytest.raises(InputError, match="chroma=4:1:1: wanted one of 4:4:4"):
         Jpeg(50, "4:1:1")
