@@ -151,7 +151,7 @@ def band(curve: RocCurve, level: float = 0.95) -> RocBand:
     independent: with several images per person it is too narrow.
 
     Args:
-        curve: Of :func:`trace_roc`.
+        curve: Of :func:`trace_roc_of`.
         level: Confidence level, in (0, 1).
 
     Raises:
