@@ -161,6 +161,6 @@ def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
 
 def says(line: str, path: tuple[str, ...]) -> bool:
     """A part of a list, or a preset chosen by a word, is told by what it is part of."""
-    presets = {"methods": "sr=", "gallery_lighting": "lighting=", "probe_lighting": "lighting="}
+    presets = {"methods": "sr=", "gallery_lighting": "lighting", "probe_lighting": "lighting"}
     parts = [*path[-2:], presets.get(path[-1], path[-1])]
     return "\n" not in line and any(part.rstrip("s") in line for part in parts)
