@@ -33,7 +33,7 @@ from lrsr.paths import config_folder, prepare_home, user_path
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-COMMANDS = {
+_COMMANDS = {
     "demo": "the whole story in minutes, into one report.html",
     "render": "probes, references and gallery into a folder",
     "train": "sr=srcnn2x|srcnn4x|edsr2x|edsr4x or recognition=arcface",
@@ -48,7 +48,7 @@ _USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixe
 usage: lrsr COMMAND [key=value ...] [--cfg job] [--multirun] [--help] [--debug]
 
 commands:
-{chr(10).join(f"  {name:<11} {does}" for name, does in COMMANDS.items())}
+{chr(10).join(f"  {name:<11} {does}" for name, does in _COMMANDS.items())}
 
 examples:
   lrsr demo
@@ -90,9 +90,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         except Exception as error:
             if words != given:
                 raise
-            status, line = explain(error, words)
-            _tell(line)
-            return status
+            causes = error.exceptions if isinstance(error, ExceptionGroup) else [error]
+            told = [(explain(cause, words), getattr(cause, "__notes__", [])) for cause in causes]
+            for (_, line), jobs in told:
+                _tell(": ".join([*jobs, line]))
+            return min(status for (status, _), _ in told)  # a fault of ours outweighs the user's
         finally:
             _give_up_stdout()
     return 0
@@ -111,9 +113,9 @@ def _run_or_help(words: list[str]) -> None:
 
 
 def _run(name: str, words: list[str]) -> None:
-    if name not in COMMANDS:
-        near = get_close_matches(name, COMMANDS, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {', '.join(COMMANDS)}"
+    if name not in _COMMANDS:
+        near = get_close_matches(name, _COMMANDS, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {', '.join(_COMMANDS)}"
         raise InputError(f"no command {name!r}: {hint}")
     Path.cwd()  # fails where it was removed
     prepare_home()
@@ -138,6 +140,8 @@ def _run(name: str, words: list[str]) -> None:
             )
         except ValueError as error:  # Hydra's word for options that exclude each other
             _refuse_option(str(error))
+    if args.multirun and failures:
+        raise ExceptionGroup("some jobs of the multirun failed", failures)
     if failures:
         raise failures[0]
 
@@ -192,14 +196,20 @@ def _given_camera(text: str, scratch: Path) -> str:
 def _task(function: str, failures: list[Exception]) -> "Callable[[DictConfig], None]":
     """Wrap a task for Hydra, which would print a line of its own about what it lets through.
 
-    In a multirun the jobs after a failed one are still done.
+    In a multirun the jobs after a failed one are still done, and each failure is told by its job.
     """
+    from hydra.core.hydra_config import HydraConfig
+    from hydra.types import RunMode
 
     def run(config: "DictConfig") -> None:
         try:
             folder: Path = getattr(importlib.import_module("lrsr.tasks"), function)(config)
             _say(folder)
         except Exception as error:
+            hydra = HydraConfig.get()
+            if hydra.mode == RunMode.MULTIRUN:
+                asked = " ".join(word.lstrip("+") for word in hydra.overrides.task)
+                error.add_note(f"job {hydra.job.num} ({asked})")
             failures.append(error)
 
     return run

@@ -1,12 +1,14 @@
 """How does a composed configuration become typed values, with an error that names the setting?"""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import fields
 from datetime import datetime
+from functools import lru_cache
 from numbers import Integral, Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from lrsr.errors import InputError
 from lrsr.files import fresh_folder, locked, make_folder
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 _Schema = TypeVar("_Schema")
 
 LARGEST_SEED = 2**32 - 1
+_COUNTS = {2: "two", 3: "three"}
 
 
 @contextmanager
@@ -36,10 +39,14 @@ def run_folder(config: "DictConfig") -> Iterator[Path]:
     hydra = HydraConfig.get()
     if config.paths.run is None:
         name = f"{datetime.now():%Y-%m-%d_%H-%M-%S}"
-        folder = fresh_folder(user_path(config.paths.runs) / str(hydra.job.config_name) / name)
+        folder = fresh_folder(
+            user_path(config.paths.runs, "paths.runs") / str(hydra.job.config_name) / name
+        )
     else:
         sweep = hydra.mode == RunMode.MULTIRUN
-        folder = make_folder(user_path(config.paths.run) / (str(hydra.job.num) if sweep else ""))
+        folder = make_folder(
+            user_path(config.paths.run, "paths.run") / (str(hydra.job.num) if sweep else "")
+        )
     with locked(folder, wait=False):
         yield folder
 
@@ -54,21 +61,23 @@ def section(schema: type[_Schema], config: "DictConfig", key: str) -> _Schema:
     from omegaconf.errors import OmegaConfBaseException
 
     try:
-        given = OmegaConf.to_container(config[key], resolve=True)  # while it has its parents
+        given: Any = OmegaConf.to_container(config[key], resolve=True)  # while it has its parents
         merged = OmegaConf.merge(OmegaConf.structured(schema), given)
         values = OmegaConf.to_container(merged, resolve=True)
     except OmegaConfBaseException as error:
         place = getattr(error, "full_key", None)
         name = f"{key}.{place}" if place else key
         reason = str(error).splitlines()[0]
-        if "is not a ListConfig" in reason:
+        if "with ListConfig" in reason:  # a mapping, which OmegaConf does not name
+            name = next(f"{key}.{one}" for one, node in given.items() if isinstance(node, dict))
+        if "ListConfig" in reason:
             reason = f"wanted a list, e.g. {name}=[...]"
         raise InputError(f"{name}: {reason}") from error
-    fields: dict[str, Any] = values  # type: ignore[assignment]  # those of the schema
-    for field, value in fields.items():
+    found: dict[str, Any] = values  # type: ignore[assignment]  # those of the schema
+    for field, value in found.items():
         if isinstance(value, float):
             as_number(value, f"{key}.{field}")
-    return schema(**fields)
+    return schema(**found)
 
 
 def number(config: "DictConfig", key: str) -> float:
@@ -124,9 +133,7 @@ def flag(config: "DictConfig", key: str) -> bool:
     Raises:
         InputError: It is neither.
     """
-    value = config[key]
-    require(isinstance(value, bool), key, value, "true or false")
-    return bool(value)
+    return as_flag(config[key], key)
 
 
 def numbered(config: "DictConfig", key: str) -> dict[int, dict[str, Any]]:
@@ -150,7 +157,7 @@ def numbered(config: "DictConfig", key: str) -> dict[int, dict[str, Any]]:
 
 def words(config: "DictConfig", key: str) -> list[str]:
     """Read a list of words; one word is a list of one."""
-    return [str(value) for value in _listed(config[key])]
+    return [as_word(value, key) for value in _listed(config[key])]
 
 
 def require(holds: bool, key: str, value: object, wanted: str) -> None:
@@ -201,21 +208,108 @@ def as_whole(value: object, name: str) -> int:
     return int(value)
 
 
-def settle_numbers(instance: object, group: str, *fields: str) -> None:
-    """Turn numeric fields of a frozen dataclass into floats, lists of them into tuples.
-
-    So that 8 and 8.0, a list and a tuple, NumPy's numbers and Python's make equal values, equal
-    hashes and equal records. None stays None.
+def as_flag(value: object, name: str) -> bool:
+    """Return true or false; ``name`` is what the message calls it.
 
     Raises:
-        InputError: A field holds anything else, or a NaN or an infinity.
+        InputError: It is neither.
     """
-    for field in fields:
-        value, name = getattr(instance, field), f"{group}.{field}"
-        if value is None:
+    require(isinstance(value, bool), name, value, "true or false")
+    return bool(value)
+
+
+def as_word(value: object, name: str) -> str:
+    """Return a word; a number is one, too: somebody may call a camera 2.
+
+    Raises:
+        InputError: It is none.
+    """
+    known = isinstance(value, str | Real) and not isinstance(value, bool)
+    require(known, name, value, "a word")
+    return str(value)
+
+
+def as_mapping(value: object, name: str) -> Mapping[Any, Any]:
+    """Return names and values.
+
+    Raises:
+        InputError: It is none.
+    """
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name}={_typed(value)}: wanted {name}.SETTING=... for each of its parts")
+    return value
+
+
+def as_list(value: object, name: str) -> list[Any]:
+    """Return the values of a list, whoever made it.
+
+    Raises:
+        InputError: It is none.
+    """
+    require(_is_list(value), name, value, f"a list, e.g. {name}=[...]")
+    return [*value]  # type: ignore[misc]  # it is one
+
+
+def _is_list(value: object) -> bool:
+    return isinstance(value, Iterable) and not isinstance(value, str | Mapping)
+
+
+def as_parts(kind: type[_Schema], value: object, name: str) -> tuple[_Schema, ...]:
+    """Return dataclasses of a list; Hydra hands over mappings of their fields.
+
+    Raises:
+        InputError: It is no list, or something in it is no such dataclass.
+    """
+    built = []
+    for number, each in enumerate(as_list(value, name)):
+        place = f"{name}.{number}"
+        if isinstance(each, kind):
+            built.append(each)
             continue
-        if isinstance(value, Iterable) and not isinstance(value, str):
-            settled: object = tuple(as_number(each, name) for each in value)
-        else:
-            settled = as_number(value, name)
-        object.__setattr__(instance, field, settled)
+        try:
+            built.append(kind(**as_mapping(each, place)))
+        except TypeError as error:  # a field too many, or too few
+            reason = str(error).split("() ", 1)[-1]
+            raise InputError(f"{place}: {reason}; --cfg job prints what there is") from error
+    return tuple(built)
+
+
+def settle(instance: object, group: str) -> None:
+    """Give the fields of a frozen dataclass the types that they are declared with.
+
+    So that 8 and 8.0, a list and a tuple, NumPy's numbers and Python's make equal values, equal
+    hashes and equal records. Fields of other types than numbers, words and tuples of a stated
+    number of numbers are left alone.
+
+    Args:
+        instance: Just made, maybe from a configuration.
+        group: What messages call it; "" where the fields' names say enough.
+
+    Raises:
+        InputError: A field holds something else, or a NaN or an infinity.
+    """
+    schema: Any = type(instance)
+    for field, kind in _kinds(schema).items():
+        name = f"{group}.{field}" if group else field
+        object.__setattr__(instance, field, _settled(getattr(instance, field), kind, name))
+
+
+@lru_cache(maxsize=64)
+def _kinds(schema: Any) -> dict[str, Any]:
+    hints = get_type_hints(schema)
+    return {field.name: hints[field.name] for field in fields(schema)}
+
+
+def _settled(value: object, kind: Any, name: str) -> object:
+    plain = {float: as_number, int: as_whole, bool: as_flag, str: as_word}
+    inner = get_args(kind)
+    if type(None) in inner:
+        return None if value is None else _settled(value, inner[0], name)
+    if get_origin(kind) is Literal:
+        require(value in inner, name, value, f"one of {', '.join(inner)}")
+    elif get_origin(kind) is tuple and Ellipsis not in inner:
+        given = [*value] if _is_list(value) else []  # type: ignore[misc]  # it is one
+        wish = f"{_COUNTS[len(inner)]} numbers, e.g. {name}=[{','.join('1' * len(inner))}]"
+        require(len(given) == len(inner), name, value, wish)
+        return tuple(_settled(one, each, name) for one, each in zip(given, inner, strict=True))
+    return plain[kind](value, name) if kind in plain else value

@@ -30,7 +30,7 @@ _Tables = Mapping[str, Sequence[str]]
 
 _Declared = TypeVar("_Declared")
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 
 def providers_on(device: str) -> tuple[str, ...]:
@@ -39,7 +39,9 @@ def providers_on(device: str) -> tuple[str, ...]:
         return _CPU
     if "CUDAExecutionProvider" in importlib.import_module("onnxruntime").get_available_providers():
         return ("CUDAExecutionProvider", *_CPU)
-    log.warning("device=%s: this onnxruntime has no CUDA, so its networks run on the CPU", device)
+    logger.warning(
+        "device=%s: this onnxruntime has no CUDA, so its networks run on the CPU", device
+    )
     return _CPU
 
 

@@ -1,7 +1,7 @@
 """What did the user mean by ``key=value``? The same in Hydra's words, or an error naming the key.
 
 What the configuration has can be changed. What it has not can be added, with or without Hydra's
-``+``, where something reads it: below :data:`OPEN`, and as a field of whatever has a ``_target_``.
+``+``, where something reads it: below ``_OPEN``, and as a field of whatever has a ``_target_``.
 No value need be quoted for Hydra. A comma in a path is part of its name, but in a multirun it
 stands between two values, unless they are quoted: ``out='"a,b"'``.
 """
@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from lrsr.errors import InputError
 
-OPEN = {"sr", "conditions", "trainer", "callbacks", "logger", "optimizer", "scheduler"}
+_OPEN = {"sr", "conditions", "trainer", "callbacks", "logger", "optimizer", "scheduler"}
 """Sections that take parts under any name."""
 
 _EXTRA = "debug"  # the group that no command has from the start
@@ -143,7 +143,7 @@ class Overrides:
         self._check_key(word.key + word.package, base)
         if word.sign != "~":
             return f"++{word.key}={_readable(word, self.sweep)}"
-        if word.key.partition(".")[0] not in OPEN:
+        if word.key.partition(".")[0] not in _OPEN:
             raise InputError(f"~{word.key}: cannot be taken away; give it another value")
         return f"~{word.key}"
 
@@ -165,7 +165,7 @@ class Overrides:
             if part not in fields and not part.startswith("_"):
                 hint = f"{_meant(part, fields)}; {'.'.join(outer)} has {', '.join(fields)}"
                 raise InputError(f"no setting {key!r}{hint}")
-        elif not isinstance(node, dict | None) or not (OPEN & {*outer} or _is_built(above)):
+        elif not isinstance(node, dict | None) or not (_OPEN & {*outer} or _is_built(above)):
             known = [*_keys(base), *(folder.name for folder in self.folders[0].glob("*/"))]
             hint = _meant(key, known) or f": lrsr {self.command} --help lists them"
             raise InputError(f"no setting {key!r}{hint}")

@@ -33,21 +33,23 @@ def asset(name: str) -> Path:
     return path
 
 
-def path_if_any(text: object) -> Path | None:
+def path_if_any(text: object, name: str) -> Path | None:
     """Return the absolute path that a user wrote; None where null was written.
 
     Raises:
         InputError: See :func:`user_path`.
     """
-    return None if text is None else user_path(text)
+    return None if text is None else user_path(text, name)
 
 
-def user_path(text: object) -> Path:
+def user_path(text: object, name: str = "path") -> Path:
     """Return the absolute path that a user wrote, ``~`` and ``~name`` expanded.
 
     Raises:
-        InputError: It is empty or a loop of links, or there is no such home folder.
+        InputError: It is no word, empty or a loop of links, or there is no such home folder.
     """
+    if isinstance(text, bool) or not isinstance(text, str | int | Path):
+        raise InputError(f"{name}={text}: wanted a path")
     if not str(text).strip():
         raise InputError("a path is empty: write . for this folder")
     try:
@@ -72,11 +74,11 @@ def cache_folder() -> Path:
     try:
         folder = Path(base).expanduser() / "lrsr"
     except RuntimeError:  # neither HOME nor an entry among the users
-        return scratch_folder()
-    return folder if _exists_or_can(folder) else scratch_folder()
+        return _scratch_folder()
+    return folder if _exists_or_can(folder) else _scratch_folder()
 
 
-def scratch_folder() -> Path:
+def _scratch_folder() -> Path:
     """Return a folder of the user's own, made if need be, among the temporary files.
 
     Raises:
@@ -98,7 +100,7 @@ def scratch_folder() -> Path:
 def prepare_home() -> None:
     """Give libraries that keep something at home another place where there is no home to write."""
     if not _exists_or_can(Path(os.environ.get("HOME") or "/nowhere") / ".config"):
-        os.environ.setdefault("MPLCONFIGDIR", str(scratch_folder()))
+        os.environ.setdefault("MPLCONFIGDIR", str(_scratch_folder()))
 
 
 def _exists_or_can(folder: Path) -> bool:

@@ -87,7 +87,7 @@ def build(node: Any, name: str, **more: Any) -> Any:
     """
     from hydra.errors import InstantiationException
     from hydra.utils import instantiate
-    from omegaconf.errors import MissingMandatoryValue
+    from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
     try:
         if not more:
@@ -100,6 +100,9 @@ def build(node: Any, name: str, **more: Any) -> Any:
         cause = error.__cause__ if isinstance(error, InstantiationException) else error
         if isinstance(cause, InputError):
             raise cause from None
+        if isinstance(cause, OmegaConfBaseException):
+            reason = str(cause).splitlines()[0]
+            raise InputError(f"{name}: {reason}; --cfg job prints what there is") from error
         if isinstance(cause, TypeError) and "argument" in str(cause):
             reason = str(cause).split(") ", 1)[-1].split("() ", 1)[-1]
             raise InputError(f"{name}: {reason}; --cfg job prints what there is") from error

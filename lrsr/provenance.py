@@ -14,7 +14,7 @@ from lrsr.paths import PACKAGE
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-RECORDED = (
+_RECORDED = (
     "drjit",
     "hydra-core",
     "kornia",
@@ -33,8 +33,8 @@ RECORDED = (
 
 def versions() -> dict[str, str]:
     """Return the versions of lrsr, Python and the libraries, and the commit of a checkout."""
-    found = {"lrsr": __version__, "git": git_hash(), "python": platform.python_version()}
-    found |= {name: _version(name) for name in RECORDED}
+    found = {"lrsr": __version__, "git": _git_hash(), "python": platform.python_version()}
+    found |= {name: _version(name) for name in _RECORDED}
     return found
 
 
@@ -45,7 +45,7 @@ def _version(distribution: str) -> str:
         return "unknown"
 
 
-def git_hash() -> str:
+def _git_hash() -> str:
     """Return the commit of the checkout (with "+" if it is changed), "installed" or "unknown"."""
     if not (PACKAGE.parent / ".git").exists():
         return "installed"

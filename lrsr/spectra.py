@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lrsr.errors import InputError
 from lrsr.paths import asset
 
-_FIRST_NM, LAST_NM = 380.0, 730.0
+_FIRST_NM, _LAST_NM = 380.0, 730.0
 """Beyond lies at most 0.02 % of D65's X, Y and Z, and nothing that a camera's filters pass."""
 
 BANDS = 35
@@ -26,7 +26,7 @@ _FloatArray = NDArray[np.float64]
 _FINE = 20
 """Points at which a curve is looked at within a band."""
 
-_XYZ_TO_RGB = np.array(
+XYZ_TO_RGB = np.array(
     [
         [3.2404542, -1.5371385, -0.4985314],
         [-0.9692660, 1.8760108, 0.0415560],
@@ -66,7 +66,7 @@ def band_edges(count: int) -> tuple[float, ...]:
     """
     if not 7 <= count <= 350:
         raise InputError(f"bands={count}: give 0 for three colours, or 7 to 350 spectral bands")
-    return tuple(np.linspace(_FIRST_NM, LAST_NM, count + 1).round(6).tolist())
+    return tuple(np.linspace(_FIRST_NM, _LAST_NM, count + 1).round(6).tolist())
 
 
 def average(curve_nm: _FloatArray, curves: _FloatArray, edges_nm: Sequence[float]) -> _FloatArray:
@@ -93,7 +93,7 @@ def average(curve_nm: _FloatArray, curves: _FloatArray, edges_nm: Sequence[float
 
 
 @lru_cache(maxsize=8)
-def observer(edges_nm: tuple[float, ...]) -> _FloatArray:
+def _observer(edges_nm: tuple[float, ...]) -> _FloatArray:
     """Return what each band adds to X, Y and Z of the CIE 1931 observer, ``(3, N)``.
 
     Y of :func:`daylight` is 1.
@@ -109,7 +109,7 @@ def srgb_curves() -> _FloatArray:
     At the wavelengths of :func:`table` "cie_1931", every 5 nm; rows sum to 1.
     """
     _, *observers, light = table("cie_1931")
-    curves = _XYZ_TO_RGB @ (np.array(observers) * light)
+    curves = XYZ_TO_RGB @ (np.array(observers) * light)
     return np.asarray(curves / curves.sum(axis=1, keepdims=True))
 
 
@@ -118,7 +118,7 @@ def daylight(edges_nm: tuple[float, ...]) -> _FloatArray:
     """Return the bands ``(N,)`` of standard daylight D65 of luminance 1, the white of sRGB."""
     values = table("cie_1931")
     bands = average(values[0], values[4:5], edges_nm)[0]
-    return np.asarray(bands / (observer(edges_nm)[1] @ bands))
+    return np.asarray(bands / (_observer(edges_nm)[1] @ bands))
 
 
 def srgb_weights(
@@ -137,15 +137,15 @@ def srgb_weights(
         >>> (srgb_weights(edges) @ daylight(edges)).round(6).tolist()
         [1.0, 1.0, 1.0]
     """
-    xyz = observer(edges_nm)
+    xyz = _observer(edges_nm)
     standard = xyz @ daylight(edges_nm)
     if white is not None:
         seen = xyz @ np.asarray(white)
         gains = (_BRADFORD @ standard) / (_BRADFORD @ (seen / seen[1]))
         xyz = np.linalg.inv(_BRADFORD) @ (gains[:, None] * (_BRADFORD @ xyz))
-    rows = _XYZ_TO_RGB @ xyz
+    rows = XYZ_TO_RGB @ xyz
     # The printed matrix misses white by up to 2e-4.
-    return np.asarray(rows / (_XYZ_TO_RGB @ standard)[:, None])
+    return np.asarray(rows / (XYZ_TO_RGB @ standard)[:, None])
 
 
 def photometric_unit() -> float:

@@ -6,7 +6,15 @@ Every task returns the folder that holds its result; the command line prints it 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lrsr.configuration import flag, number, run_folder, seed_of, whole_number, whole_numbers
+from lrsr.configuration import (
+    as_word,
+    flag,
+    number,
+    run_folder,
+    seed_of,
+    whole_number,
+    whole_numbers,
+)
 from lrsr.errors import InputError
 from lrsr.files import make_folder
 from lrsr.paths import cache_folder, path_if_any, user_path
@@ -72,7 +80,7 @@ def run_render(config: "DictConfig") -> Path:
     from lrsr.pictures.to_folder import RenderSettings, render_to_folder
     from lrsr.rendering.scene import Film
 
-    out = path_if_any(config.out)
+    out = path_if_any(config.out, "out")
     if out is None:
         raise InputError("out=null: give the folder for the pictures, e.g. out=probes")
     settings = RenderSettings(
@@ -84,7 +92,7 @@ def run_render(config: "DictConfig") -> Path:
         ),
         camera=build(config.camera, "camera"),
         camera_settings=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
-        compression=str(config.compression),
+        compression=as_word(config.compression, "compression"),
         scales=whole_numbers(config, "scales"),
         png16=flag(config, "png16"),
     )
@@ -107,10 +115,10 @@ def run_fit_camera(config: "DictConfig") -> Path:
     from lrsr.rendering.scene import Film
 
     settings = FitSettings(
-        images=user_path(config.images),
+        images=user_path(config.images, "images"),
         preset=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
         strangers=read_probes(config, Film()),
-        name=str(config.name),
+        name=as_word(config.name, "name"),
         ipd_px=None if config.ipd_px is None else number(config, "ipd_px"),
         part=number(config, "part"),
         rounds=whole_number(config, "rounds"),
@@ -145,7 +153,7 @@ def run_train(config: "DictConfig") -> Path:
     resume = flag(config, "resume")
     with run_folder(config) as folder:
         if resume:
-            refuse_other_run(folder, depends_on)
+            refuse_other_run(folder, depends_on, follows_length=module.follows_length)
         write_provenance(folder, config)
         return train(
             module,
@@ -163,4 +171,4 @@ def run_train(config: "DictConfig") -> Path:
 def _cache(config: "DictConfig") -> "RenderCache":
     from lrsr.pictures.cache import RenderCache
 
-    return RenderCache(path_if_any(config.paths.cache) or cache_folder())
+    return RenderCache(path_if_any(config.paths.cache, "paths.cache") or cache_folder())

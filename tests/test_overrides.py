@@ -8,7 +8,7 @@ import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 
 from lrsr.errors import InputError
-from lrsr.overrides import OPEN, Overrides, fields_of, pieces_of
+from lrsr.overrides import _OPEN, Overrides, fields_of, pieces_of
 from lrsr.paths import config_folder
 
 COMPOSED = Overrides._composed
@@ -145,7 +145,7 @@ def test_what_is_read_may_be_added_with_or_without_a_plus(
 def test_parts_of_open_sections_can_be_taken_away_and_built() -> None:
     words = mended("~callbacks.best", "callbacks.mine._target_=a.b", command="train")
     assert words == ["~callbacks.best", "++callbacks.mine._target_=a.b"]
-    assert "callbacks" in OPEN
+    assert "callbacks" in _OPEN
 
 
 def test_of_two_the_last_counts_and_it_is_said(caplog: pytest.LogCaptureFixture) -> None:

@@ -138,7 +138,7 @@ def test_a_temporary_folder_that_somebody_else_laid_out_is_refused(
     (tmp_path / "theirs").mkdir()
     (tmp_path / f"lrsr-{os.getuid()}").symlink_to("theirs")
     with pytest.raises(InputError, match="somebody else's: set LRSR_CACHE"):
-        paths.scratch_folder()
+        paths._scratch_folder()
 
 
 @pytest.mark.parametrize("base", ["cache", "", "./x"])

@@ -8,7 +8,7 @@ import pytest
 from hydra.errors import InstantiationException
 from omegaconf import OmegaConf
 
-from lrsr.configuration import settle_numbers
+from lrsr.configuration import settle
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
 from lrsr.presets import build, preset, value_of
@@ -123,11 +123,11 @@ def test_a_target_that_is_not_there_is_a_fault() -> None:
 
 @dataclass(frozen=True)
 class Numbers:
-    one: Any = 1
-    many: Any = (1, 2)
+    one: float | None = 1
+    many: tuple[float, float] = (1, 2)
 
     def __post_init__(self) -> None:
-        settle_numbers(self, "numbers", "one", "many")
+        settle(self, "numbers")
 
 
 def test_settled_numbers_are_floats_and_lists_tuples() -> None:
@@ -148,7 +148,11 @@ def test_settled_numbers_are_floats_and_lists_tuples() -> None:
         ({"one": 1j}, r"numbers\.one=1j: wanted a number"),
         ({"many": [1, "x"]}, r"numbers\.many=x: wanted a number"),
         ({"many": [1, None]}, r"numbers\.many=.*: wanted a number"),
-        ({"many": "12"}, r"numbers\.many=12: wanted a number"),
+        ({"many": "12"}, r"numbers\.many=12: wanted two numbers, e\.g\. numbers\.many=\[1,1\]"),
+        ({"many": 1}, r"numbers\.many=1: wanted two numbers"),
+        ({"many": [1, 2, 3]}, r"numbers\.many=\[1, 2, 3\]: wanted two numbers"),
+        ({"many": {"a": 1}}, r"numbers\.many=.*: wanted two numbers"),
+        ({"many": None}, r"numbers\.many=null: wanted two numbers"),
     ],
     ids=lambda value: str(value)[:20],
 )

@@ -10,7 +10,7 @@ from omegaconf import OmegaConf
 import lrsr
 from lrsr import provenance
 from lrsr.errors import InputError
-from lrsr.provenance import git_hash, versions, write_provenance
+from lrsr.provenance import _git_hash, versions, write_provenance
 
 
 def test_versions_are_those_that_run() -> None:
@@ -34,28 +34,28 @@ def checkout(folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def test_git_hash_is_that_of_the_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert git_hash()
-    assert checkout(tmp_path, monkeypatch).startswith(git_hash())
-    assert len(git_hash()) == 12
+    assert _git_hash()
+    assert checkout(tmp_path, monkeypatch).startswith(_git_hash())
+    assert len(_git_hash()) == 12
 
 
 def test_a_changed_checkout_has_a_plus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     checkout(tmp_path, monkeypatch)
     (tmp_path / "lrsr" / "a.py").write_text("2\n")
-    assert git_hash().endswith("+")
+    assert _git_hash().endswith("+")
 
 
 def test_an_installed_package_has_no_commit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(provenance, "PACKAGE", tmp_path / "lrsr")
-    assert git_hash() == "installed"
+    assert _git_hash() == "installed"
 
 
 def test_a_checkout_without_git_is_unknown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / ".git").mkdir()
     monkeypatch.setattr(provenance, "PACKAGE", tmp_path / "lrsr")
-    assert git_hash() == "unknown"
+    assert _git_hash() == "unknown"
 
 
 def test_a_run_folder_says_what_made_it(tmp_path: Path) -> None:
@@ -86,7 +86,7 @@ def test_a_git_that_does_not_answer_is_unknown(
         raise error
 
     monkeypatch.setattr(subprocess, "run", fail)
-    assert git_hash() in {"unknown", "installed"}
+    assert _git_hash() in {"unknown", "installed"}
 
 
 def test_a_hooks_variables_name_no_other_commit(
@@ -94,9 +94,9 @@ def test_a_hooks_variables_name_no_other_commit(
 ) -> None:
     commit = checkout(tmp_path, monkeypatch)
     monkeypatch.setenv("GIT_DIR", "/nowhere")
-    assert commit.startswith(git_hash())
+    assert commit.startswith(_git_hash())
 
 
 def test_a_library_under_another_name_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(provenance, "RECORDED", ("no-such-distribution",))
+    monkeypatch.setattr(provenance, "_RECORDED", ("no-such-distribution",))
     assert versions()["no-such-distribution"] == "unknown"

@@ -6,10 +6,10 @@ import pytest
 from lrsr.errors import InputError
 from lrsr.rendering.colour import chromaticity
 from lrsr.spectra import (
+    _observer,
     average,
     band_edges,
     daylight,
-    observer,
     photometric_unit,
     srgb_curves,
     srgb_weights,
@@ -24,11 +24,11 @@ def incandescent(edges: tuple[float, ...]) -> np.ndarray:
     nm = np.arange(360.0, 781.0)
     power = (560 / nm) ** 5 * np.expm1(1.435e7 / (2848 * 560)) / np.expm1(1.435e7 / (2848 * nm))
     bands = average(nm, power[None], edges)[0]
-    return np.asarray(bands / (observer(edges)[1] @ bands))
+    return np.asarray(bands / (_observer(edges)[1] @ bands))
 
 
 def xy(bands: np.ndarray, edges: tuple[float, ...] = EDGES) -> np.ndarray:
-    xyz = observer(edges) @ bands
+    xyz = _observer(edges) @ bands
     return np.asarray(xyz[:2] / xyz.sum())
 
 
@@ -51,7 +51,7 @@ def test_standard_illuminants_have_their_published_chromaticities() -> None:
 
 def test_equal_energy_of_one_has_the_luminance_one() -> None:
     assert photometric_unit() == pytest.approx(106.857, abs=0.001)  # CIE 15:2004, table T.4
-    assert observer(EDGES).sum(axis=1) == pytest.approx((1, 1, 1), abs=5e-4)
+    assert _observer(EDGES).sum(axis=1) == pytest.approx((1, 1, 1), abs=5e-4)
 
 
 @pytest.mark.parametrize("count", [7, 14, 70, 350])
@@ -73,7 +73,7 @@ def test_an_observer_adapts_as_bradford_says() -> None:
         ]
     )
     adapted = srgb_weights(EDGES, tuple(incandescent(EDGES).tolist()))
-    back = np.linalg.pinv(observer(EDGES))
+    back = np.linalg.pinv(_observer(EDGES))
     found = np.linalg.solve(srgb_weights(EDGES) @ back, adapted @ back)
     # His A, from another table, has 0.1 % more of Z.
     assert found == pytest.approx(printed, abs=0.007)

@@ -73,7 +73,7 @@ def estimate_compression(srgb: torch.Tensor) -> CompressionEstimate | None:
             return _of_each(seen)
     if common is None:
         return None
-    chroma, origin_px = estimate_chroma(srgb, common.quality, common.origin_px)
+    chroma, origin_px = _estimate_chroma(srgb, common.quality, common.origin_px)
     return CompressionEstimate(common.quality, chroma, (origin_px,))
 
 
@@ -83,13 +83,15 @@ def _count(srgb: torch.Tensor, grids: list[tuple[int, int]]) -> int:
 
 def _of_each(seen: list[tuple[torch.Tensor, JpegEstimate]]) -> CompressionEstimate:
     quality = median_low(found.quality for _, found in seen)
-    settings = [estimate_chroma(picture, found.quality, found.origin_px) for picture, found in seen]
+    settings = [
+        _estimate_chroma(picture, found.quality, found.origin_px) for picture, found in seen
+    ]
     chroma = Counter(kind for kind, _ in settings).most_common(1)[0][0]
     origins = tuple(origin_px for kind, origin_px in settings if kind == chroma)
     return CompressionEstimate(quality, chroma, origins)
 
 
-def estimate_chroma(
+def _estimate_chroma(
     srgb: torch.Tensor, quality: int, origin_px: tuple[int, int]
 ) -> tuple[str, tuple[int, int]]:
     """Find the sub-sampling of pictures, and their first pixel's place in the blocks of colour.

@@ -51,14 +51,14 @@ from lrsr.calibration.objective import Floats, Objective, Shoot
 from lrsr.calibration.parameters import PARAMETERS, Parameter
 from lrsr.camera.checks import check_setting
 
-STEPS = (0.3, 1.0)
+_STEPS = (0.3, 1.0)
 """Of finite differences, in units of a parameter's doubt: as long as its standard error, within
 these. A codec's rounding makes a rough ground, which long steps level."""
 _SHRINKAGE = 0.3
 """Of the covariance towards its diagonal."""
-SETTLINGS = (1, 3, 3)
+_SETTLINGS = (1, 3, 3)
 """Draws of the noise for the slopes; slopes and weights are made anew as often."""
-DRAWS, GAINS = 18, (0.5, 0.25, 0.1)
+_DRAWS, _GAINS = 18, (0.5, 0.25, 0.1)
 """How many steps are taken after each, and which share of a whole one each is: the smaller ones
 where the larger do not lead downhill."""
 _LONGEST = 0.5
@@ -166,8 +166,8 @@ def fit_camera(
 def expected_trials(parameters: int = len(PARAMETERS), rounds: int = 12) -> int:
     """Return how often :func:`fit_camera` photographs the strangers, about: a search ends early."""
     slopes = 2 * parameters
-    settling = sum(draws * slopes + DRAWS + 2 * _JUDGES for draws in SETTLINGS)
-    return rounds * (slopes + 1) + settling + SETTLINGS[-1] * slopes
+    settling = sum(draws * slopes + _DRAWS + 2 * _JUDGES for draws in _SETTLINGS)
+    return rounds * (slopes + 1) + settling + _SETTLINGS[-1] * slopes
 
 
 @contextmanager
@@ -187,14 +187,14 @@ def _one_thread() -> Iterator[None]:
 def _fit(objective: Objective, rounds: int) -> Fit:
     start = np.zeros(len(objective.parameters))
     objective.weigh(None, shrinkage=_SHRINKAGE, bent=False)
-    place, steps = _descended(objective, start, rounds), np.full(len(start), STEPS[0])
-    for draws in SETTLINGS:
+    place, steps = _descended(objective, start, rounds), np.full(len(start), _STEPS[0])
+    for draws in _SETTLINGS:
         objective.weigh(place, shrinkage=_SHRINKAGE)
         slopes = objective.slopes(place, steps, draws)
         place = _settled(objective, place, slopes)
-        steps = np.sqrt(np.diag(objective.covariance(slopes))).clip(*STEPS)
+        steps = np.sqrt(np.diag(objective.covariance(slopes))).clip(*_STEPS)
     objective.weigh(place, shrinkage=_SHRINKAGE)
-    covariance = objective.covariance(objective.slopes(place, steps, SETTLINGS[-1]))
+    covariance = objective.covariance(objective.slopes(place, steps, _SETTLINGS[-1]))
     before, after = objective.simulated(start), objective.simulated(place)
     return Fit(
         values={
@@ -217,7 +217,7 @@ def _fit(objective: Objective, rounds: int) -> Fit:
 
 def _descended(objective: Objective, place: Floats, rounds: int) -> Floats:
     """Return where Gauss and Newton's steps from a place end, on one draw of the noise."""
-    steps = np.full(len(place), STEPS[0])
+    steps = np.full(len(place), _STEPS[0])
     found = least_squares(
         objective.residuals,
         place,
@@ -240,7 +240,7 @@ def _settled(objective: Objective, place: Floats, slopes: tuple[Floats, Floats])
     """
     inverse = np.linalg.pinv(objective.jacobian(slopes)).astype(np.float64)
     before = _cost(objective, place)
-    for gain in GAINS:
+    for gain in _GAINS:
         mean = _wandered(objective, place, gain * inverse)
         if _cost(objective, mean) < before:
             return mean
@@ -249,16 +249,16 @@ def _settled(objective: Objective, place: Floats, slopes: tuple[Floats, Floats])
 
 def _wandered(objective: Objective, place: Floats, inverse: Floats) -> Floats:
     visited = []
-    for draw in range(1, DRAWS + 1):
+    for draw in range(1, _DRAWS + 1):
         step = inverse @ objective.residuals(place, draw)
         place = (place - step / max(1.0, np.abs(step).max() / _LONGEST)).clip(*objective.ranges)
         visited.append(place)
-    return np.asarray(np.mean(visited[DRAWS // 3 :], axis=0))
+    return np.asarray(np.mean(visited[_DRAWS // 3 :], axis=0))
 
 
 def _cost(objective: Objective, place: Floats) -> float:
     """Return the square of the residuals, of draws of the noise that no step was taken on."""
-    draws = range(DRAWS + 1, DRAWS + 1 + _JUDGES)
+    draws = range(_DRAWS + 1, _DRAWS + 1 + _JUDGES)
     mean = np.mean([objective.residuals(place, draw) for draw in draws], axis=0)
     return float(np.square(mean).sum())
 

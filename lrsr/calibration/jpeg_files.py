@@ -42,14 +42,14 @@ def read_jpeg_settings(file: bytes) -> tuple[int, str] | None:
     chroma = _CHROMAS.get(shares.pop()) if len(shares) == 1 else None
     if chroma is None or steps.min() <= 0:
         return None
-    return nearest_quality(steps.reshape(BLOCK_PX, BLOCK_PX)), chroma
+    return _nearest_quality(steps.reshape(BLOCK_PX, BLOCK_PX)), chroma
 
 
-def nearest_quality(table: Floats) -> int:
+def _nearest_quality(table: Floats) -> int:
     """Return the quality whose luminance table ``(8, 8)`` is nearest, by mean log ratio.
 
     Example:
-        >>> nearest_quality(luminance_table(40))
+        >>> _nearest_quality(luminance_table(40))
         40
     """
     distance = [

@@ -64,7 +64,6 @@ PARAMETERS = (
     Parameter("contrast", 1.0, 0.4, 2.5, 0.2, True, "slope of the tone curve"),
     Parameter("saturation", 1.0, 0.2, 4.0, 0.2, True, "factor of the colour differences"),
 )
-NAMES = tuple(parameter.name for parameter in PARAMETERS)
 
 _MTF_CYCLES = 0.1
 """Where the lens's blur is compared with a Gaussian's, cycles a pixel: below any zero."""
@@ -164,7 +163,7 @@ def with_jpeg(
     Args:
         preset: Plain mapping as in ``conf/camera``.
         quality: 1-100 or None.
-        chroma: One of :data:`lrsr.camera.codec.CHROMAS`.
+        chroma: Sub-sampling, "4:4:4", "4:2:2" or "4:2:0".
         origin_px: Of the picture's first pixel within the grid of blocks.
     """
     changed = {**copy.deepcopy(dict(preset)), "origin_px": list(origin_px), "stored": None}

@@ -19,7 +19,7 @@ from lrsr.camera.jpeg_tables import BLOCK_PX
 from lrsr.errors import InputError
 from lrsr.pictures.image_files import SUFFIXES, read_image
 
-_LEAST_PX, MOST_PX = 2 * BLOCK_PX, 256
+_LEAST_PX, _MOST_PX = 2 * BLOCK_PX, 256
 """Of a side: fewer hold no whole block, more are no small faces (200 films of them fill memory)."""
 
 _NEAR_LEVELS = 1.5
@@ -166,10 +166,10 @@ def _check_sizes(pictures: dict[Path, torch.Tensor]) -> None:
     sizes = Counter(tuple(picture.shape[1:]) for picture in pictures.values())
     if len(sizes) == 1:
         height, width = next(iter(sizes))
-        if not _LEAST_PX <= min(height, width) <= max(height, width) <= MOST_PX:
+        if not _LEAST_PX <= min(height, width) <= max(height, width) <= _MOST_PX:
             raise InputError(
                 f"{next(iter(pictures))} has {width} x {height} px: sides of {_LEAST_PX} to "
-                f"{MOST_PX} px are fitted; cut out the faces (do not rescale them)"
+                f"{_MOST_PX} px are fitted; cut out the faces (do not rescale them)"
             )
         return
     usual = sizes.most_common(1)[0][0]

@@ -29,7 +29,7 @@ COMPRESSIONS: dict[str, int | None] = {"none": None, "small": 75, "heavy": 15}
 **estimated**: 75 is that group's default and what cameras call little compression; 15 is near the
 lower end of what surveillance recorders offer, where the 8 x 8 blocks show."""
 
-CHROMAS = {
+_CHROMAS = {
     "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
     "4:2:2": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422,
     "4:2:0": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420,
@@ -48,7 +48,7 @@ def jpeg(
     Args:
         srgb: ``(B, 3, H, W)`` float32, [0, 1]; rounded to 8 bits first.
         quality: 1-100.
-        chroma: One of :data:`CHROMAS`.
+        chroma: One of ``_CHROMAS``.
         origin_px: ``(x, y)`` of the first pixel in the frame whose grid of blocks it is cut by;
             of what lies around it the edge is repeated.
 
@@ -60,7 +60,7 @@ def jpeg(
         InputError: Unknown chroma, or a place or a quality out of range.
     """
     check_images(check_srgb(srgb), name="srgb")
-    check_choice("chroma", chroma, CHROMAS)
+    check_choice("chroma", chroma, _CHROMAS)
     framed, left, top = _framed(srgb, quality, origin_px)
     pixels = framed.detach().mul(255).round().to(torch.uint8)
     rows = pixels.permute(0, 2, 3, 1).cpu().numpy()
@@ -83,7 +83,7 @@ def _through_file(rgb: np.ndarray, quality: int, chroma: str) -> np.ndarray:
         cv2.IMWRITE_JPEG_QUALITY,
         quality,
         cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
-        CHROMAS[chroma],
+        _CHROMAS[chroma],
     ]
     _, file = cv2.imencode(".jpg", np.ascontiguousarray(rgb[..., ::-1]), settings)
     return np.ascontiguousarray(cv2.imdecode(file, cv2.IMREAD_COLOR)[..., ::-1])
@@ -97,7 +97,7 @@ def jpeg_differentiable(
     Args:
         srgb: ``(B, 3, H, W)`` float32 (or float64, in which gradients are checked), [0, 1].
         quality: 1-100.
-        chroma: One of :data:`CHROMAS`.
+        chroma: One of ``_CHROMAS``.
         origin_px: See :func:`jpeg`.
 
     Returns:
@@ -117,7 +117,7 @@ class Jpeg(nn.Module):
 
     Args:
         qualities: 1-100, one for each time it is compressed; a number is once.
-        chroma: One of :data:`CHROMAS`.
+        chroma: One of ``_CHROMAS``.
 
     Raises:
         InputError: Unknown chroma, no quality, or one out of range.
@@ -131,8 +131,10 @@ class Jpeg(nn.Module):
         several = isinstance(qualities, Iterable) and not isinstance(qualities, str)
         given = [*qualities] if several else [qualities]  # type: ignore[misc]
         check_setting("qualities", given, len(given) > 0, "at least one")
-        self.qualities = tuple(whole("quality", one, "1 to 100", low=1, high=100) for one in given)
-        self.chroma = check_choice("chroma", chroma, CHROMAS)
+        self.qualities = tuple(
+            whole("qualities", one, "1 to 100", low=1, high=100) for one in given
+        )
+        self.chroma = check_choice("chroma", chroma, _CHROMAS)
 
     def forward(
         self,

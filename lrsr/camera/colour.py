@@ -16,7 +16,7 @@ from lrsr.camera.checks import check_light, check_setting, numbers
 from lrsr.spectra import Spectrum
 
 _Matrix = Sequence[Sequence[float]]
-IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+_IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Colour(nn.Module):
@@ -42,7 +42,7 @@ class Colour(nn.Module):
 
     def __init__(
         self,
-        responses: _Matrix = IDENTITY,
+        responses: _Matrix = _IDENTITY,
         *,
         cast: Sequence[float] = (1.0, 1.0, 1.0),
         white_balance: Sequence[float] | None = None,
@@ -67,7 +67,7 @@ class Colour(nn.Module):
         Raises:
             ImageContractError: ``linear`` is no batch of three colours.
         """
-        return mix(linear, self.responses)
+        return _mix(linear, self.responses)
 
     def forward(self, raw: torch.Tensor, spectrum: Spectrum | None = None) -> torch.Tensor:
         """Balance raw channels ``(B, 3, H, W)``, clip them at white, and unmix them.
@@ -84,10 +84,10 @@ class Colour(nn.Module):
         """
         check_light(raw, name="raw")
         gains = torch.tensor(self.white_balance, dtype=raw.dtype, device=raw.device)
-        return mix((raw * gains[:, None, None]).clamp_max(1.0), self.matrix)
+        return _mix((raw * gains[:, None, None]).clamp_max(1.0), self.matrix)
 
 
-def mix(linear: torch.Tensor, matrix: _Matrix) -> torch.Tensor:
+def _mix(linear: torch.Tensor, matrix: _Matrix) -> torch.Tensor:
     """Multiply each pixel of ``(B, 3, H, W)`` by a ``(3, 3)`` matrix.
 
     Raises:
@@ -95,7 +95,7 @@ def mix(linear: torch.Tensor, matrix: _Matrix) -> torch.Tensor:
 
     Example:
         >>> swap = ((0, 1, 0), (1, 0, 0), (0, 0, 1))
-        >>> mix(torch.tensor([1.0, 2.0, 3.0])[None, :, None, None], swap).flatten().tolist()
+        >>> _mix(torch.tensor([1.0, 2.0, 3.0])[None, :, None, None], swap).flatten().tolist()
         [2.0, 1.0, 3.0]
     """
     check_light(linear)

@@ -6,7 +6,7 @@ from torch.nn import functional as F
 
 from lrsr.errors import ImageContractError
 
-CHUNK = 8
+_CHUNK = 8
 """Images convolved at a time: their spectra stay in the caches."""
 
 
@@ -46,8 +46,8 @@ def convolve(images: torch.Tensor, kernels: torch.Tensor) -> torch.Tensor:
     size = [next_fast_len(length + 2 * reach, real=True) for length in (height, width)]
     alike = torch.fft.rfft2(kernels, s=size) if count == 1 else None
     parts = []
-    for start in range(0, len(images), CHUNK):
-        few = slice(start, start + CHUNK)
+    for start in range(0, len(images), _CHUNK):
+        few = slice(start, start + _CHUNK)
         padded = F.pad(images[few], (reach, reach, reach, reach), mode="replicate")
         transfer = torch.fft.rfft2(kernels[few], s=size) if alike is None else alike
         spread = torch.fft.irfft2(torch.fft.rfft2(padded, s=size) * transfer, s=size)

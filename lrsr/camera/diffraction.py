@@ -7,7 +7,7 @@ import torch
 
 from lrsr.camera.checks import check_positive
 
-MARGIN = 64
+_MARGIN = 64
 """Where the tails of the Airy disk may wrap round, in units of λ / (2A): 0.5 % of the light."""
 
 
@@ -42,14 +42,14 @@ def diffraction_length_um(f_number: float, wavelength_nm: float) -> float:
     return wavelength_nm * 1e-3 / (2 * numerical_aperture(f_number))
 
 
-def diffraction_transfer(frequency: torch.Tensor) -> torch.Tensor:
+def _diffraction_transfer(frequency: torch.Tensor) -> torch.Tensor:
     """Return the contrast that a perfect lens keeps: (2/π) (acos ν - ν sqrt(1 - ν²)).
 
     Args:
         frequency: Any shape, ν in periods per λ / (2A), >= 0; nothing passes from 1 on.
 
     Example:
-        >>> diffraction_transfer(torch.tensor([0.0, 1.0, 2.0])).tolist()
+        >>> _diffraction_transfer(torch.tensor([0.0, 1.0, 2.0])).tolist()
         [1.0, 0.0, 0.0]
     """
     inside = frequency.clamp(0, 1)
@@ -85,9 +85,9 @@ def airy_kernel(
     """
     check_positive(pitch_um=pitch_um)
     pitch = pitch_um / diffraction_length_um(f_number, wavelength_nm)
-    count = math.ceil((2 * radius_px + 1) * pitch) + MARGIN
+    count = math.ceil((2 * radius_px + 1) * pitch) + _MARGIN
     frequency = torch.arange(count, dtype=torch.float64) / count
-    transfer = diffraction_transfer(torch.hypot(frequency[:, None], frequency))
+    transfer = _diffraction_transfer(torch.hypot(frequency[:, None], frequency))
     centres = torch.arange(-radius_px, radius_px + 1, dtype=torch.float64) * pitch
     waves = torch.cos(2 * math.pi * centres[:, None] * frequency) * torch.sinc(frequency * pitch)
     waves[:, 1:] *= 2  # the frequencies below zero

@@ -8,7 +8,7 @@ from lrsr.camera.checks import check_positive
 from lrsr.camera.image_plane import turn
 from lrsr.errors import InputError
 
-STEPS = 25
+_STEPS = 25
 """Newton's steps; half of them reach float64's end over the whole reference sensor."""
 
 
@@ -86,7 +86,7 @@ class Distortion:
         third = self._square(points_mm) * self.k1
         fifth = self._square(points_mm) ** 2 * self.k2
         factor = torch.ones_like(third)
-        for _ in range(STEPS):
+        for _ in range(_STEPS):
             miss = factor + third * factor**3 + fifth * factor**5 - 1
             slope = 1 + 3 * third * factor**2 + 5 * fifth * factor**4
             factor = factor - miss / slope

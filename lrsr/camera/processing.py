@@ -85,8 +85,8 @@ class Processing(nn.Module):
         luma = luminance(srgb)
         chroma = gaussian_blur(srgb - luma, self.denoise_chroma_px)
         luma = bilateral_blur(luma, self.denoise_luma_px, self.denoise_luma_level)
-        luma = sharpen(luma, self.sharpen_px, self.sharpen_amount)
-        luma = tone(luma, self.contrast, self.pivot) + self.brightness
+        luma = _sharpen(luma, self.sharpen_px, self.sharpen_amount)
+        luma = _tone(luma, self.contrast, self.pivot) + self.brightness
         return (luma + self.saturation * chroma).clamp(0, 1)
 
 
@@ -108,7 +108,7 @@ def luminance(srgb: torch.Tensor) -> torch.Tensor:
     return (_LUMA[0] * red + _LUMA[1] * green + _LUMA[2] * blue)[:, None]
 
 
-def sharpen(images: torch.Tensor, sigma_px: float, amount: float) -> torch.Tensor:
+def _sharpen(images: torch.Tensor, sigma_px: float, amount: float) -> torch.Tensor:
     """Add ``amount`` times what a Gaussian blur takes away: an unsharp mask, with its halo.
 
     Args:
@@ -128,7 +128,7 @@ def sharpen(images: torch.Tensor, sigma_px: float, amount: float) -> torch.Tenso
     return images + amount * (images - gaussian_blur(images, sigma_px))
 
 
-def tone(levels: torch.Tensor, contrast: float, pivot: float = 0.5) -> torch.Tensor:
+def _tone(levels: torch.Tensor, contrast: float, pivot: float = 0.5) -> torch.Tensor:
     """Bend levels about ``pivot``: straight up to a contrast of 1, an s beyond it.
 
     The s has the slope ``contrast`` at the pivot and 1 / contrast near black and white, which stay
@@ -136,7 +136,7 @@ def tone(levels: torch.Tensor, contrast: float, pivot: float = 0.5) -> torch.Ten
     pivot, mirrored below. Levels beyond black and white, as of halos, are clipped first.
 
     Example:
-        >>> tone(torch.tensor([0.0, 0.25, 0.5, 0.75, 1.0]), 2.0).mul(6).round().tolist()
+        >>> _tone(torch.tensor([0.0, 0.25, 0.5, 0.75, 1.0]), 2.0).mul(6).round().tolist()
         [0.0, 1.0, 3.0, 5.0, 6.0]
     """
     if contrast <= 1 or pivot in {0.0, 1.0}:

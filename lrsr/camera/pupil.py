@@ -11,7 +11,7 @@ _CHUNK_SAMPLES = 2**20
 """Samples of pupils that are transformed at a time, some tens of MB."""
 
 
-def pupil_transmission(size: int) -> torch.Tensor:
+def _pupil_transmission(size: int) -> torch.Tensor:
     """Return the round pupil in its square; its rim covers samples in part.
 
     Args:
@@ -21,7 +21,7 @@ def pupil_transmission(size: int) -> torch.Tensor:
         ``(size, size)`` float64, [0, 1].
 
     Example:
-        >>> round(float(pupil_transmission(64).mean()) * 4, 2)  # π
+        >>> round(float(_pupil_transmission(64).mean()) * 4, 2)  # π
         3.14
     """
     rim = (torch.arange(size, dtype=torch.float64) * 2 + 1 - size) / size
@@ -72,7 +72,7 @@ def pupil_kernel(
 def _intensity(waves: torch.Tensor) -> torch.Tensor:
     """Return ``(..., 2 size, 2 size)``: the image at every λ / (4A), its middle at [size, size]."""
     size = waves.shape[-1]
-    pupil = torch.polar(pupil_transmission(size).to(waves).expand_as(waves), 2 * math.pi * waves)
+    pupil = torch.polar(_pupil_transmission(size).to(waves).expand_as(waves), 2 * math.pi * waves)
     light = torch.fft.fft2(pupil, s=(2 * size, 2 * size))
     intensity: torch.Tensor = torch.fft.fftshift(light.real**2 + light.imag**2, dim=(-2, -1))
     return intensity

@@ -3,18 +3,18 @@
 import torch
 from torch.nn import functional as F
 
-_FEW, MANY = 8, 64
+_FEW, _MANY = 8, 64
 """Images looked at together, each in its own places or all in the same: what caches hold."""
 
 
-def cubic_weights(offset: torch.Tensor) -> list[torch.Tensor]:
+def _cubic_weights(offset: torch.Tensor) -> list[torch.Tensor]:
     """Return the weights of the four pixels around a point (Keys 1981, eq. 15).
 
     Args:
         offset: Any shape, [0, 1): how far the point lies past the second of them, px.
 
     Example:
-        >>> [round(float(weight), 4) for weight in cubic_weights(torch.tensor(0.5))]
+        >>> [round(float(weight), 4) for weight in _cubic_weights(torch.tensor(0.5))]
         [-0.0625, 0.5625, 0.5625, -0.0625]
     """
     t = offset
@@ -60,7 +60,7 @@ def _sample_alike(images: torch.Tensor, points_px: torch.Tensor) -> torch.Tensor
     every = images.shape[1] // len(points_px)  # channels that share their places
     alike = [_surroundings(points, height, width) for points in points_px.flatten(1, 2)]
     parts = []
-    for few in torch.split(images, MANY):
+    for few in torch.split(images, _MANY):
         layers = []
         for channels, (index, weights) in zip(torch.split(few, every, dim=1), alike, strict=True):
             table = channels.flatten(2).permute(2, 0, 1).flatten(1).contiguous()
@@ -100,6 +100,6 @@ def _surroundings(
 def _neighbours(place: torch.Tensor, length: int) -> list[tuple[torch.Tensor, torch.Tensor]]:
     """Return index and weight of each of the four pixels around a place along one side."""
     corner = place.detach().floor()
-    weights = cubic_weights(place - corner)
+    weights = _cubic_weights(place - corner)
     steps = [(corner.long() + step).clamp(0, length - 1) for step in (-1, 0, 1, 2)]
     return list(zip(steps, weights, strict=True))

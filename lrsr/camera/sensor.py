@@ -21,7 +21,7 @@ from torch import nn
 from lrsr.camera.checks import check_flag, check_light, check_origin, number, whole
 from lrsr.errors import InputError
 
-PATTERN_PX = 256
+_PATTERN_PX = 256
 """Side of the tile of photosite gains; a larger sensor repeats it."""
 
 
@@ -121,7 +121,7 @@ class Sensor(nn.Module):
         sites = (1 + self.prnu * gains).clamp_min(0)
         electrons = light.clamp_min(0) * (self.white_e * sites) + self.dark_e
         if self.noise:
-            generators = [noise_generator(seed, frame) for seed in _each(seeds, len(light))]
+            generators = [_noise_generator(seed, frame) for seed in _each(seeds, len(light))]
             electrons = _shot(electrons, generators, differentiable).clamp_max(self.full_well_e)
             electrons = electrons + self.read_noise_e * _normal(electrons, generators)
         else:
@@ -141,14 +141,14 @@ class Sensor(nn.Module):
         return (raw - black) / (self.dn_per_e * self.white_e)
 
 
-def noise_generator(seed: int, frame: int = 0) -> torch.Generator:
+def _noise_generator(seed: int, frame: int = 0) -> torch.Generator:
     """Return a generator of the noise of one exposure of one image.
 
     torch's generator looks at 32 bits of its seed alone, and its streams of neighbouring seeds
     start alike; a digest of both numbers avoids that.
 
     Example:
-        >>> noise_generator(7).initial_seed() == noise_generator(7, frame=1).initial_seed()
+        >>> _noise_generator(7).initial_seed() == _noise_generator(7, frame=1).initial_seed()
         False
     """
     digest = hashlib.sha256(f"noise {int(seed)} {int(frame)}".encode()).digest()
@@ -179,12 +179,12 @@ def _normal(like: torch.Tensor, generators: Sequence[torch.Generator]) -> torch.
 def _gains(pattern_seed: int, size: torch.Size, origin_px: tuple[int, int]) -> torch.Tensor:
     """Return standard normal numbers ``(C, H, W)`` that belong to these photosites."""
     channels, height, width = size
-    rows = (torch.arange(height) + origin_px[1]) % PATTERN_PX
-    columns = (torch.arange(width) + origin_px[0]) % PATTERN_PX
+    rows = (torch.arange(height) + origin_px[1]) % _PATTERN_PX
+    columns = (torch.arange(width) + origin_px[0]) % _PATTERN_PX
     return _tile(pattern_seed)[:channels, rows[:, None], columns]
 
 
 @lru_cache(maxsize=8)
 def _tile(pattern_seed: int) -> torch.Tensor:
-    generator = noise_generator(pattern_seed, -1)
-    return torch.randn(3, PATTERN_PX, PATTERN_PX, generator=generator)
+    generator = _noise_generator(pattern_seed, -1)
+    return torch.randn(3, _PATTERN_PX, _PATTERN_PX, generator=generator)

@@ -55,8 +55,8 @@ def soft_jpeg(srgb: torch.Tensor, quality: int, chroma: str = "4:2:0") -> torch.
     luma_steps, colour_steps = (
         torch.from_numpy(t(quality)) for t in (luminance_table, chrominance_table)
     )
-    luma = through_blocks(luma, luma_steps)
-    colours = through_blocks(F.avg_pool2d(colours, (rows, columns)), colour_steps)
+    luma = _through_blocks(luma, luma_steps)
+    colours = _through_blocks(F.avg_pool2d(colours, (rows, columns)), colour_steps)
     colours = colours[..., : math.ceil(height / rows), : math.ceil(width / columns)]
     colours = F.interpolate(colours, scale_factor=(rows, columns), mode="bilinear")
     planes = torch.cat([luma[..., :height, :width], colours[..., :height, :width]], 1)
@@ -64,7 +64,7 @@ def soft_jpeg(srgb: torch.Tensor, quality: int, chroma: str = "4:2:0") -> torch.
     return decoded
 
 
-def through_blocks(plane: torch.Tensor, table: torch.Tensor) -> torch.Tensor:
+def _through_blocks(plane: torch.Tensor, table: torch.Tensor) -> torch.Tensor:
     """Round the cosine coefficients of each block to multiples of ``table``, softly.
 
     Args:
@@ -78,7 +78,7 @@ def through_blocks(plane: torch.Tensor, table: torch.Tensor) -> torch.Tensor:
     batch, channels, height, width = plane.shape
     down, across = height // BLOCK_PX, width // BLOCK_PX
     blocks = plane.reshape(batch, channels, down, BLOCK_PX, across, BLOCK_PX).transpose(-3, -2)
-    kept = soft_round(cosines @ blocks @ cosines.T / steps) * steps
+    kept = _soft_round(cosines @ blocks @ cosines.T / steps) * steps
     decoded = (cosines.T @ kept @ cosines).transpose(-3, -2).reshape(plane.shape)
     return decoded.clamp(-_MIDDLE, _MIDDLE - 1)
 
@@ -96,11 +96,11 @@ def cosine_transform() -> torch.Tensor:
     return torch.from_numpy(waves * np.where(k[:, None] == 0, 0.5**0.5, 1.0) / 2)
 
 
-def soft_round(numbers: torch.Tensor) -> torch.Tensor:
+def _soft_round(numbers: torch.Tensor) -> torch.Tensor:
     """Round to [x] + (x - [x])³: whole numbers stay, the slope is 0 there and 3/4 halfway.
 
     Example:
-        >>> soft_round(torch.tensor([2.0, 2.5, -1.2])).mul(1000).round().tolist()
+        >>> _soft_round(torch.tensor([2.0, 2.5, -1.2])).mul(1000).round().tolist()
         [2000.0, 2125.0, -1008.0]
     """
     whole = numbers.detach().round()

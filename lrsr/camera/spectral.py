@@ -82,7 +82,7 @@ class SpectralColour(nn.Module):
             InputError: It has no bands.
         """
         edges = needed(spectrum).edges_nm
-        return weigh(bands, [self.sensitivities.weights(edges)] * len(bands))
+        return _weigh(bands, [self.sensitivities.weights(edges)] * len(bands))
 
     def gains(self, spectrum: Spectrum | None, size: tuple[int, int]) -> torch.Tensor:
         """Return the white balance of each film at each pixel, ``(B, 3, H, W)`` float64.
@@ -117,7 +117,7 @@ class SpectralColour(nn.Module):
         """
         check_light(balanced, name="balanced")
         edges, whites = needed(spectrum).edges_nm, needed(spectrum).whites
-        return weigh(balanced, [self.rendition(edges, white).matrix for white in whites])
+        return _weigh(balanced, [self.rendition(edges, white).matrix for white in whites])
 
     def rendition(
         self, edges_nm: tuple[float, ...], white: tuple[float, ...] | None = None
@@ -173,10 +173,10 @@ def observe(bands: torch.Tensor, spectrum: Spectrum, *, adapted: bool = False) -
     """
     edges = spectrum.edges_nm
     whites = spectrum.whites if adapted else [None] * len(bands)
-    return weigh(bands, [srgb_weights(edges, white) for white in whites])
+    return _weigh(bands, [srgb_weights(edges, white) for white in whites])
 
 
-def weigh(channels: torch.Tensor, weights: Sequence[FloatArray]) -> torch.Tensor:
+def _weigh(channels: torch.Tensor, weights: Sequence[FloatArray]) -> torch.Tensor:
     """Weigh the channels of each image by its own matrix.
 
     One image after the other: sums of a batch would depend, in their last bits, on its size.
@@ -193,7 +193,7 @@ def weigh(channels: torch.Tensor, weights: Sequence[FloatArray]) -> torch.Tensor
 
     Example:
         >>> bands = torch.tensor([1.0, 2.0])[None, :, None, None]
-        >>> weigh(bands, [np.array([[1.0, 1.0], [0.0, 3.0]])]).flatten().tolist()
+        >>> _weigh(bands, [np.array([[1.0, 1.0], [0.0, 3.0]])]).flatten().tolist()
         [3.0, 6.0]
     """
     check_light(channels, channels=(weights[0].shape[1],), name="bands")

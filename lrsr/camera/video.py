@@ -5,7 +5,7 @@ macroblocks of 16 × 16 pixels (ITU-T H.264, sec. 7.4.5), with noise of its own 
 face is placed in a larger frame, where its macroblocks fall as ``origin_px`` says, several frames
 of it are encoded by FFmpeg (libx264, mjpeg) through PyAV, and the last one is decoded and cut out.
 There is no gradient. The stand-in for training is :func:`lrsr.camera.codec.jpeg_differentiable` at
-a quality that loses as much (:data:`STAND_IN`), but not the same: on rendered faces of 52 pixels
+a quality that loses as much (``_STAND_IN``), but not the same: on rendered faces of 52 pixels
 H.264 at a constant rate factor of 18, 28, 38 keeps 36.9, 32.0, 27.1 dB, the stand-in as much within
 0.1 dB (0.7 dB at 26 and 104 pixels), and the two are 37.5, 32.0, 26.9 dB apart, as far as either is
 from the original. Train through it for the amount of loss; evaluate with the true codec.
@@ -28,7 +28,7 @@ from lrsr.images import check_images
 _CODECS = {"h264": ("libx264", "yuv420p"), "mjpeg": ("mjpeg", "yuvj422p")}
 """Encoders of FFmpeg, and the samples of colour that cameras give them."""
 
-STAND_IN = {
+_STAND_IN = {
     "h264": {18: 91, 23: 82, 28: 59, 33: 26, 38: 12, 43: 6},
     "mjpeg": {2: 91, 4: 78, 8: 41, 16: 17, 31: 9},
 }
@@ -121,14 +121,14 @@ class Video(nn.Module):
         for recording in frames.unbind(1):
             framed, x, y = self._framed(recording, check_origin(origin_px))
             pixels = framed.detach().mul(255).round().to(torch.uint8)
-            shown = play(self.record(pixels.permute(0, 2, 3, 1).cpu().numpy()), self.codec)[-1][0]
+            shown = _play(self.record(pixels.permute(0, 2, 3, 1).cpu().numpy()), self.codec)[-1][0]
             played.append(torch.from_numpy(shown[y : y + size[0], x : x + size[1]].copy()))
         return torch.stack(played).permute(0, 3, 1, 2).contiguous().to(frames) / 255
 
     @property
     def stand_in_quality(self) -> int:
         """JPEG quality that the differentiable stand-in uses; a bit rate counts as ``crf``."""
-        measured = STAND_IN[self.codec]
+        measured = _STAND_IN[self.codec]
         return round(float(np.interp(self.crf, list(measured), list(measured.values()))))
 
     def record(self, frames: np.ndarray) -> list[bytes]:
@@ -181,7 +181,7 @@ class Video(nn.Module):
 _SPEEDS = ("ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow", "veryslow")
 
 
-def play(packets: Sequence[bytes], codec: str) -> list[tuple[np.ndarray, str]]:
+def _play(packets: Sequence[bytes], codec: str) -> list[tuple[np.ndarray, str]]:
     """Decode every frame: its pixels ``(H, W, 3)`` uint8 and its type, "I" or "P"."""
     decoder = av.CodecContext.create(codec, "r")
     decoder.thread_count = 1

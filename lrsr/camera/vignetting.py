@@ -64,7 +64,7 @@ class Vignetting:
         if self.natural:
             film = film * natural_vignetting(places, self.distortion).permute(0, 3, 1, 2)
         if self.pupil_radius_mm and self.rim_radius_mm and self.rim_distance_mm:
-            share = mechanical_vignetting(
+            share = _mechanical_vignetting(
                 places,
                 self.distortion,
                 pupil_radius_mm=self.pupil_radius_mm,
@@ -99,7 +99,7 @@ def natural_vignetting(points_mm: torch.Tensor, distortion: Distortion) -> torch
     return cosine2**2 * distortion.area_ratio(points_mm)
 
 
-def mechanical_vignetting(
+def _mechanical_vignetting(
     points_mm: torch.Tensor,
     distortion: Distortion,
     *,
@@ -127,7 +127,7 @@ def mechanical_vignetting(
 
     Example:
         >>> axis = torch.zeros(2)
-        >>> mechanical_vignetting(axis, Distortion(), pupil_radius_mm=1.0, rim_radius_mm=1.5,
+        >>> _mechanical_vignetting(axis, Distortion(), pupil_radius_mm=1.0, rim_radius_mm=1.5,
         ...                       rim_distance_mm=2.0).item()
         1.0
     """

@@ -21,7 +21,6 @@ from scipy.special import log_ndtr, ndtri
 from lrsr.errors import ScoreError
 from lrsr.evaluation.arrays import check_scores
 from lrsr.evaluation.placements import BLOCK, Ints, Placements, class_placements, place
-from lrsr.evaluation.scores import ScoreSource
 
 
 @dataclass(frozen=True)
@@ -139,22 +138,6 @@ def estimate_auc(genuine: ArrayLike, impostor: ArrayLike, level: float = 0.95) -
     return estimate_auc_of(place(genuine, impostor), level)
 
 
-def stream_auc(source: ScoreSource, level: float = 0.95) -> AucEstimate:
-    """Estimate the area as :func:`estimate_auc`, of scores that are never held all at once.
-
-    Args:
-        source: Probes × gallery, e.g. :class:`lrsr.evaluation.scores.CosineScores`.
-        level: Confidence level of the intervals, in (0, 1).
-
-    Raises:
-        ScoreError: Fewer than two genuine or impostor scores, or a level outside (0, 1).
-    """
-    placements = Placements(source.genuine())
-    for tile in source.tiles():
-        placements.count(placements.classes(tile.impostors))
-    return estimate_auc_of(placements, level)
-
-
 def estimate_auc_of(placements: Placements, level: float = 0.95) -> AucEstimate:
     """Estimate the area as :func:`estimate_auc`, of impostor scores that were counted.
 
@@ -167,10 +150,10 @@ def estimate_auc_of(placements: Placements, level: float = 0.95) -> AucEstimate:
     variance = _variance_of_mean(beats, placements.ties) / (2 * n) ** 2
     by_class = class_placements(placements.ties)
     variance += _variance_of_mean(by_class, placements.sizes) / (2 * m) ** 2
-    return auc_interval(float(_area(placements)), math.sqrt(variance), m, n, level)
+    return _auc_interval(float(_area(placements)), math.sqrt(variance), m, n, level)
 
 
-def auc_interval(
+def _auc_interval(
     auc: float, std: float, n_genuine: int, n_impostor: int, level: float = 0.95
 ) -> AucEstimate:
     """Put the Wald and the logit interval round an area with a known standard error.

@@ -47,7 +47,7 @@ def pairwise_angles_deg(embeddings: ArrayLike) -> NDArray[np.float32]:
         >>> pairwise_angles_deg([[1, 0], [0, 2], [-3, 0]]).tolist()
         [90.0, 180.0, 90.0]
     """
-    rows = unit_rows(embeddings)
+    rows = _unit_rows(embeddings)
     rows = rows[np.isfinite(rows).all(axis=1)]
     angles = [np.empty(0, np.float32)]
     for start, block in _blocks(rows):
@@ -63,7 +63,7 @@ def closest_pairs(embeddings: ArrayLike, count: int) -> list[Pair]:
         embeddings: ``(N, D)``; a row with a NaN is in no pair.
         count: How many at most, >= 0.
     """
-    rows = unit_rows(embeddings)
+    rows = _unit_rows(embeddings)
     found: list[Pair] = []
     for start, block in _blocks(rows):
         first, second = np.nonzero(np.triu(np.isfinite(block), k=start + 1))
@@ -143,7 +143,7 @@ def draw_distinct(
     wanted: list[Drawn] = [(index, 0) for index in indices]
     outcome = Distinct((), (), ())
     while wanted:
-        rows = unit_rows(embed(wanted))
+        rows = _unit_rows(embed(wanted))
         known |= dict(zip(wanted, rows, strict=True))
         outcome, wanted = _decide(indices, known, smallest_angle_deg, most_redraws)
     return outcome
@@ -197,7 +197,7 @@ def _degrees(cosines: _Floats) -> _Floats:
     return np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
 
 
-def unit_rows(embeddings: ArrayLike) -> _Floats:
+def _unit_rows(embeddings: ArrayLike) -> _Floats:
     """Divide each row by its length, in double precision.
 
     Args:

@@ -20,7 +20,7 @@ _ROUNDING = 1e-6
 """What a conversion in float32 may leave beyond 0 and 1."""
 
 
-def luminance(srgb: ArrayLike) -> _Floats:
+def _luminance(srgb: ArrayLike) -> _Floats:
     """Return the studio-range BT.601 luminance of srgb images.
 
     Args:
@@ -35,7 +35,7 @@ def luminance(srgb: ArrayLike) -> _Floats:
             a masked value, a NaN, or a value outside [0, 1].
 
     Example:
-        >>> (luminance(np.ones((3, 1, 1))) * 255).round(6).tolist()
+        >>> (_luminance(np.ones((3, 1, 1))) * 255).round(6).tolist()
         [[235.0]]
     """
     images = plain_array(srgb, "images", kinds="f", wanted=_WANTED, error=ImageContractError)
@@ -53,7 +53,7 @@ def psnr_y(srgb_a: ArrayLike, srgb_b: ArrayLike, shave: int) -> _Floats:
     """Measure the peak signal-to-noise ratio of luminance.
 
     Args:
-        srgb_a: ``(3, H, W)`` or ``(B, 3, H, W)`` srgb; see :func:`luminance`.
+        srgb_a: ``(3, H, W)`` or ``(B, 3, H, W)`` srgb; see ``_luminance``.
         srgb_b: The same shape.
         shave: Pixels cut from each side, usually the scale, >= 0.
 
@@ -70,7 +70,7 @@ def psnr_y(srgb_a: ArrayLike, srgb_b: ArrayLike, shave: int) -> _Floats:
         >>> round(float(psnr_y(black, grey, shave=1)), 3)     # 20 log10(255 / 21.9)
         21.322
     """
-    a, b = luminance(srgb_a), luminance(srgb_b)
+    a, b = _luminance(srgb_a), _luminance(srgb_b)
     if a.shape != b.shape:
         raise ImageContractError(f"got images of {a.shape} and {b.shape}, wanted one shape")
     if shave < 0 or 2 * shave >= min(a.shape[-2:]):

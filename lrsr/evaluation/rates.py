@@ -11,10 +11,10 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.arrays import Array, check_finite, check_scores, to_common
+from lrsr.evaluation.arrays import Array, to_common
 from lrsr.evaluation.placements import Ints
 from lrsr.evaluation.roc import RocCurve, wilson_interval
 from lrsr.evaluation.scores import ScoreSource, Tile
@@ -73,35 +73,6 @@ class CmcCurve:
         return float(self.hit_rate[0])
 
 
-def fnmr_at_fmr(
-    genuine: ArrayLike, impostor: ArrayLike, target_fmr: float, level: float = 0.95
-) -> OperatingPoint:
-    """Measure FNMR at the largest FMR that some threshold reaches without passing the target.
-
-    Where ties let the FMR jump across the target, the value below it counts: it is never
-    interpolated, and never the nearest one.
-
-    Args:
-        genuine: ``(m,)`` scores of mated pairs, higher = more alike, m >= 1.
-        impostor: ``(n,)`` scores of non-mated pairs, n >= 1.
-        target_fmr: [0, 1], taken as the decimal fraction it is written as.
-        level: Confidence level of the interval.
-
-    Raises:
-        ScoreError: The target lies outside [0, 1], the level outside (0, 1), a side is empty, a
-            score is not finite, or a dtype is not real.
-
-    Example:
-        >>> point = fnmr_at_fmr([0.2, 0.6, 0.7, 0.9], [0.1, 0.2, 0.3, 0.8, 0.8], 0.3)
-        >>> point.fmr, point.fnmr, point.few_false_matches
-        (0.0, 0.75, True)
-    """
-    genuine, impostor = check_scores(genuine, "genuine"), check_scores(impostor, "impostor")
-    check_finite(genuine, "genuine")
-    check_finite(impostor, "impostor")
-    return _operating_point(genuine, impostor, impostor.size, target_fmr, level)
-
-
 def equal_error_rate(curve: RocCurve) -> float:
     """Read off a curve the rate at which FMR and FNMR are equal, [0, 1].
 
@@ -110,11 +81,12 @@ def equal_error_rate(curve: RocCurve) -> float:
     two thresholds on either side, the mean of FMR and FNMR at the one where their sum is less.
 
     Args:
-        curve: Of :func:`lrsr.evaluation.roc.trace_roc`.
+        curve: Of :func:`lrsr.evaluation.roc.trace_roc_of`.
 
     Example:
-        >>> from lrsr.evaluation.roc import trace_roc
-        >>> equal_error_rate(trace_roc([1, 2, 3, 4], [0, 0, 0, 2.5]))
+        >>> from lrsr.evaluation.placements import place
+        >>> from lrsr.evaluation.roc import trace_roc_of
+        >>> equal_error_rate(trace_roc_of(place([1, 2, 3, 4], [0, 0, 0, 2.5])))
         0.25
     """
     after = int(np.argmax(curve.fmr >= curve.fnmr))
@@ -122,33 +94,6 @@ def equal_error_rate(curve: RocCurve) -> float:
     if x1 == y1 or y0 == y1:
         return y1
     return x0 if x0 == x1 else min(x0 + y0, x1 + y1) / 2
-
-
-def d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:
-    """Measure the separation of the two score distributions in units of their mean spread.
-
-    d' = (mean genuine - mean impostor) / sqrt((var genuine + var impostor) / 2), with sample
-    variances. Unlike the AUC it changes under a rising map of the scores.
-
-    Args:
-        genuine: ``(m,)``, m >= 2.
-        impostor: ``(n,)``, n >= 2.
-
-    Raises:
-        ScoreError: Fewer than two scores of a kind, both without any spread, a score that is not
-            finite, or a dtype that is not real.
-
-    Example:
-        >>> round(d_prime([2, 4], [0, 2]), 4)
-        1.4142
-    """
-    moments = []
-    for scores, name in ((genuine, "genuine"), (impostor, "impostor")):
-        checked = check_scores(scores, name, at_least=2)
-        check_finite(checked, name)
-        moments.append(_Moments())
-        moments[-1].add(checked)
-    return _separation(*moments)
 
 
 class Rates:
@@ -186,14 +131,21 @@ class Rates:
         return sum(self._failed) / len(self._failed)
 
     def fnmr(self, level: float = 0.95) -> tuple[OperatingPoint, ...]:
-        """Measure as :func:`fnmr_at_fmr` at each target; the source has a genuine score."""
+        """Measure FNMR at the largest FMR that some threshold reaches without passing each target.
+
+        Where ties let the FMR jump across a target, the value below it counts: it is never
+        interpolated, and never the nearest one. The source has a genuine score.
+        """
         highest, n = self._highest.scores(), self._moments.n
         return tuple(
             _operating_point(self._genuine, highest, n, target, level) for target in self._targets
         )
 
     def d_prime(self) -> float:
-        """Measure as :func:`d_prime`, of two scores of a kind or more.
+        """Measure the separation of the two score distributions in units of their mean spread.
+
+        d' = (mean genuine - mean impostor) / sqrt((var genuine + var impostor) / 2), with sample
+        variances, of two scores of a kind or more. Unlike the AUC it changes under a rising map.
 
         Raises:
             ScoreError: Both kinds are without any spread.

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import normal_quantile
-from lrsr.evaluation.placements import Ints, Placements, place
+from lrsr.evaluation.placements import Ints, Placements
 
 _Floats = NDArray[np.float64]
 
@@ -76,24 +76,6 @@ class RocBand:
     low: _Floats
     high: _Floats
     level: float
-
-
-def trace_roc(genuine: ArrayLike, impostor: ArrayLike) -> RocCurve:
-    """Return every corner of the ROC curve.
-
-    Args:
-        genuine: ``(m,)`` scores of mated pairs, higher = more alike, m >= 1.
-        impostor: ``(n,)`` scores of non-mated pairs, n >= 1.
-
-    Raises:
-        ScoreError: A side is empty, a score is not finite, or a dtype is not real.
-
-    Example:
-        >>> curve = trace_roc([2, 3], [1, 2, 0])
-        >>> list(zip(curve.fmr.round(2).tolist(), curve.tmr.tolist()))
-        [(0.0, 0.0), (0.0, 0.5), (0.33, 1.0), (1.0, 1.0)]
-    """
-    return trace_roc_of(place(genuine, impostor))
 
 
 def trace_roc_of(placements: Placements) -> RocCurve:
@@ -169,7 +151,7 @@ def band(curve: RocCurve, level: float = 0.95) -> RocBand:
     independent: with several images per person it is too narrow.
 
     Args:
-        curve: Of :func:`trace_roc`.
+        curve: Of :func:`trace_roc_of`.
         level: Confidence level, in (0, 1).
 
     Raises:

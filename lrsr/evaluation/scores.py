@@ -20,7 +20,7 @@ from lrsr.evaluation.arrays import Array, plain_array
 _Flags = NDArray[np.bool_]
 Index = NDArray[np.intp]
 
-TILE = 1 << 18
+_TILE = 1 << 18
 """Scores in a tile: 2 MiB of float64, and as much for each temporary."""
 _COLUMNS = 2048
 
@@ -115,13 +115,13 @@ class ScoreSource(ABC):
         """Yield the whole matrix, some rows at a time.
 
         Args:
-            rows: How many, >= 1; None: as many as make :data:`TILE` scores.
+            rows: How many, >= 1; None: as many as make ``_TILE`` scores.
 
         Raises:
             ScoreError: ``rows`` is less than 1.
         """
         width = len(self.gallery_ids)
-        rows = max(1, TILE // width) if rows is None else rows
+        rows = max(1, _TILE // width) if rows is None else rows
         if rows < 1:
             raise ScoreError(f"tiles of {rows} rows: wanted at least 1")
         mate_rows, mate_columns = self.mates

@@ -2,19 +2,16 @@
 
 Pairs share persons, so they are not independent. With one genuine pair per person DeLong's standard
 error is right within a few per cent; with several images per person it is two to four times too
-small. Both ways here draw or drop whole persons, with all their pairs as probe and in the gallery,
-and are right in either case (Fogliato et al., IJCV 2024; Poh et al., IEEE TPAMI 2007). The
-jackknife reads the scores tile by tile; the bootstrap needs the memory of the matrix.
+small. The jackknife leaves out whole persons, with all their pairs as probe and in the gallery, and
+is right in either case (Fogliato et al., IJCV 2024; Poh et al., IEEE TPAMI 2007).
 """
-
-from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.arrays import Array
-from lrsr.evaluation.placements import Classes, Ints, Placements, class_placements
+from lrsr.evaluation.placements import Classes, Ints, Placements
 from lrsr.evaluation.scores import Index, ScoreSource, Tile
 
 _Floats = NDArray[np.float64]
@@ -128,79 +125,3 @@ def jackknife_std(areas: _Floats) -> float:
         areas: Of :meth:`Tally.areas`, or the difference of those of two methods.
     """
     return float(np.sqrt((areas.size - 1) / areas.size * ((areas - areas.mean()) ** 2).sum()))
-
-
-def bootstrap_aucs(
-    methods: Mapping[str, ScoreSource], *, replicates: int = 1000, seed: int = 0
-) -> dict[str, _Floats]:
-    """Draw subjects with replacement, the same draws for every method, and measure each AUC.
-
-    A subject drawn k times counts its genuine pairs k times and a pair of two subjects the product
-    of their numbers; a subject is never compared with its own copy as an impostor. Needs the memory
-    of the matrix.
-
-    Args:
-        methods: Scores by method, for the same probes and gallery; a failure to acquire in one
-            method is missing from that method alone.
-        replicates: How many draws, >= 2; a draw without any genuine or impostor pair of some
-            method is left out.
-        seed: Of the draws.
-
-    Returns:
-        ``(B,)`` AUCs of each method; the same place is the same draw in all. Their percentiles, and
-        those of the difference of two methods, are intervals.
-
-    Raises:
-        ScoreError: No method, methods with different probes or gallery, fewer than two replicates
-            (asked for or usable), or no genuine or impostor score.
-
-    Example:
-        >>> from lrsr.evaluation.scores import Scores
-        >>> people = [f"p{k}" for k in range(30)]
-        >>> noise = np.random.default_rng(0).normal(size=(30, 30))
-        >>> drawn = bootstrap_aucs({"a": Scores(noise + np.eye(30), people, people)})["a"]
-        >>> np.quantile(drawn, [0.025, 0.975]).round(2).tolist()
-        [0.73, 0.88]
-    """
-    if not methods or replicates < 2:
-        raise ScoreError(f"{len(methods)} methods, {replicates} replicates: wanted >= 1 and >= 2")
-    first = next(iter(methods.values()))
-    for name, source in methods.items():
-        first.check_same_pairs(source, name)
-    probes, gallery, size = first.codes
-    prepared = [_Weighted(source) for source in methods.values()]
-    generator = np.random.default_rng(seed)
-    draws = np.empty((len(prepared), replicates))
-    for column in range(replicates):
-        weights = np.bincount(generator.integers(size, size=size), minlength=size)
-        pairs = np.multiply.outer(weights[probes], weights[gallery]).reshape(-1)
-        draws[:, column] = [method.auc(weights, pairs) for method in prepared]
-    usable = draws[:, np.isfinite(draws).all(axis=0)]
-    if usable.shape[1] < 2:
-        raise ScoreError("hardly any draw of subjects has genuine and impostor pairs: add people")
-    return dict(zip(methods, usable, strict=True))
-
-
-class _Weighted:
-    """One method's scores, classed once, so that a draw costs one weighted histogram."""
-
-    def __init__(self, source: ScoreSource) -> None:
-        mated = source.mated_scores()
-        placements = Placements(mated[~np.isnan(mated)])
-        self.who = source.codes[0][source.mates[0][~np.isnan(mated)]]
-        self.value_of, self.n_classes = placements.own_classes >> 1, placements.sizes.size
-        parts = []
-        for tile in source.tiles():
-            parts.append(placements.classes(tile.filled(0)).reshape(-1))
-            parts[-1][tile.others] = self.n_classes  # a class of its own, that is not read
-        self.classes = np.concatenate(parts)
-        if (self.classes == self.n_classes).all():
-            raise ScoreError("0 impostor scores, wanted at least 1: give more pairs")
-
-    def auc(self, weights: Ints, pairs: Ints) -> float:
-        """Measure the AUC with a weight for each identity; NaN where nothing has weight."""
-        ties = np.bincount(self.value_of, weights[self.who], minlength=self.n_classes // 2)
-        sizes = np.bincount(self.classes, pairs, minlength=self.n_classes + 1)[:-1]
-        whole = ties.sum() * sizes.sum()
-        above = class_placements(ties.astype(np.int64))
-        return float((sizes * above).sum() / (2 * whole)) if whole else float("nan")

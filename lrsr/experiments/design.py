@@ -1,13 +1,15 @@
 """What is asked of a verification experiment? Who, how pictured, how enlarged, how sure."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self
 
 from lrsr.camera import Camera
 from lrsr.camera.codec import COMPRESSIONS
 from lrsr.configuration import (
+    as_mapping,
+    as_word,
     number,
     numbered,
     numbers,
@@ -132,12 +134,12 @@ class Design:
         """
         landmarks = config.recognition.landmarks
         require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
-        conditions, probes = _conditions(config), path_if_any(config.probes.folder)
+        conditions, probes = _conditions(config), path_if_any(config.probes.folder, "probes.folder")
         if probes is not None:
             conditions = (_condition_of(read_photographs(probes, "probe")),)
         return cls(
-            name=str(config.name),
-            question=str(config.question),
+            name=as_word(config.name, "name"),
+            question=as_word(config.question, "question"),
             conditions=conditions,
             upscalers=_upscalers(config),
             people=read_people(config),
@@ -146,9 +148,9 @@ class Design:
             gallery=read_gallery(config),
             camera=build(config.camera, "camera"),
             level=number(config, "level"),
-            model=path_if_any(config.recognition.model),
+            model=path_if_any(config.recognition.model, "recognition.model"),
             probes_folder=probes,
-            gallery_folder=path_if_any(config.gallery.folder),
+            gallery_folder=path_if_any(config.gallery.folder, "gallery.folder"),
         )
 
     def describe(self) -> dict[str, Any]:
@@ -176,18 +178,19 @@ def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
     table = numbered(config, "conditions")
     usual: dict[str, Any] = {"pose": "frontal", "lighting": "frontal", "compression": "none"}
     usual |= {"lens": config.lens, "standpoint": config.standpoint}
-    found = []
-    for ipd_px in numbers(config, "ipd_px"):
-        for option in whole_numbers(config, "options"):
-            require(option in table, "options", option, f"one of {sorted(table)}")
-            node = usual | table[option]
-            compression = str(node.pop("compression"))
-            for group in node:
-                wish = f"no such setting; there are {', '.join((*usual, 'expression'))}"
-                require(group in (*usual, "expression"), f"conditions.{option}", group, wish)
-            scene = Scene(**{group: value_of(group, node[group]) for group in node})
-            found.append(Condition(option, scene, compression, ipd_px))
-    return tuple(found)
+    chosen, sizes = whole_numbers(config, "options"), numbers(config, "ipd_px")
+    for option in chosen:
+        require(option in table, "options", option, f"one of {sorted(table)}")
+    scenes = {}
+    for option, settings in table.items():  # those that are not chosen are to be right, too
+        node = usual | settings
+        compression = as_word(node.pop("compression"), f"conditions.{option}.compression")
+        for group in node:
+            wish = f"no such setting; there are {', '.join((*usual, 'expression'))}"
+            require(group in (*usual, "expression"), f"conditions.{option}", group, wish)
+        scene = Scene(**{group: value_of(group, node[group]) for group in node})
+        scenes[option] = Condition(option, scene, compression, sizes[0] if sizes else 8.0)
+    return tuple(replace(scenes[option], ipd_px=ipd) for ipd in sizes for option in chosen)
 
 
 def _condition_of(photographs: Photographs) -> Condition:
@@ -206,9 +209,11 @@ def _condition_of(photographs: Photographs) -> Condition:
 def _upscalers(config: "DictConfig") -> dict[str, Upscaler]:
     from omegaconf import OmegaConf
 
-    own = cast("dict[str, dict[str, Any]]", OmegaConf.to_container(config.sr, resolve=True))
+    as_mapping(config.sr, "sr")
+    own: Any = OmegaConf.to_container(config.sr, resolve=True)
     methods = words(config, "methods")
-    for name in own:
+    for name, settings in own.items():
+        as_mapping(settings, f"sr.{name}")
         require(name in methods, "methods", methods, f"{name} among them, as sr.{name} is given")
     return {
         name: preset("sr", name, **own.get(name, {}))

@@ -28,14 +28,14 @@ from lrsr.pages import data_uri, encode_face, write_page
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import write_manifest
 from lrsr.pictures.image_files import write_png
-from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.maker import Maker, MitsubaMaker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.source import chunks
 from lrsr.pictures.to_folder import Shoot
 from lrsr.provenance import versions
 from lrsr.recognition.encoders import load_encoder
 
-SHEET = 60
+_SHEET = 60
 """People on the contact sheet at most: the first ones, not chosen."""
 _PICTURES = "gallery"
 
@@ -82,7 +82,7 @@ class Uniqueness(UniquenessSettings):
         Raises:
             InputError: A file or a folder is wrong, or an encoder is missing.
         """
-        maker = maker or mitsuba_maker()
+        maker = maker or MitsubaMaker()
         encoder = load_encoder(self.encoder, self.model)
         gallery = Gallery(self, cache, encoder, maker, progress=progress)
         findings = find_distinct(self, gallery)
@@ -100,14 +100,14 @@ class Uniqueness(UniquenessSettings):
         write_json(folder / "results.json", results)
         write_json(folder / "distribution.json", results["distribution"])
         figures = _write_figures(folder, self, findings, portraits)
-        said = [*answer(self, findings), gate_sentence(results["gate"])]
+        said = [*_answer(self, findings), _gate_sentence(results["gate"])]
         _write_page(folder, results, findings, portraits, figures, said)
         for sentence in said:
             logger.info("%s", sentence)
         return folder
 
 
-def answer(settings: UniquenessSettings, findings: Findings) -> list[str]:
+def _answer(settings: UniquenessSettings, findings: Findings) -> list[str]:
     """Return what was found, in sentences."""
     angles, outcome = summarise(findings.angles_deg), findings.outcome
     people, least = len(findings.drawn), f"{settings.smallest_angle_deg:g}°"
@@ -132,7 +132,7 @@ def answer(settings: UniquenessSettings, findings: Findings) -> list[str]:
     return sentences
 
 
-def gate_sentence(gate: Mapping[str, Any]) -> str:
+def _gate_sentence(gate: Mapping[str, Any]) -> str:
     """Say how many people the plausibility gate drew again.
 
     Args:
@@ -148,7 +148,7 @@ def _write_pictures(folder: Path, gallery: Gallery, findings: Findings) -> dict[
     """Write everyone's picture and the manifest; return the pictures that are shown."""
     drawn, rows = findings.drawn, []
     shown = {
-        *drawn[:SHEET],
+        *drawn[:_SHEET],
         *(drawn[k] for pair in findings.pairs for k in (pair.first, pair.second)),
     }
     source = gallery.source(drawn)
@@ -178,7 +178,7 @@ def _write_figures(
     portraits: Mapping[Drawn, Picture],
 ) -> dict[str, str]:
     """Write the PNG files; return them as data URIs by name."""
-    sheet = [portraits[one] for one in findings.drawn[:SHEET]]
+    sheet = [portraits[one] for one in findings.drawn[:_SHEET]]
     figures = {
         "contact_sheet": draw_portraits(
             [one.image for one in sheet],
@@ -227,7 +227,7 @@ def _write_page(
         answer=said,
         results=results,
         figures=figures,
-        portraits=[small[one] for one in findings.drawn[:SHEET]],
+        portraits=[small[one] for one in findings.drawn[:_SHEET]],
         pairs=[
             [
                 *(small[findings.drawn[k]] for k in (pair.first, pair.second)),

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from lrsr.pictures.picture import Picture, stack
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting
 from lrsr.pictures.source import (
+    Photographs,
     Rendered,
     Source,
     chunks,
@@ -87,25 +88,28 @@ class Trial:
 
     def gallery(self) -> Source:
         """Return everyone's enrolled picture."""
-        asked = self.design
-        if asked.gallery_folder is not None:
-            return read_photographs(asked.gallery_folder, "gallery")
-        return self._rendered(asked.gallery.recipes(), asked.camera.clean())
+        if "gallery" in self._given:
+            return self._given["gallery"]
+        return self._rendered(self.design.gallery.recipes(), self.design.camera.clean())
 
     def probes(self, condition: Condition) -> Source:
         """Return the probes."""
-        asked = self.design
-        if asked.probes_folder is not None:
-            return read_photographs(asked.probes_folder, "probe")
-        camera = asked.camera.compressing(condition.compression)
+        if "probe" in self._given:
+            return self._given["probe"]
+        camera = self.design.camera.compressing(condition.compression)
         return self._rendered(self._sitting(condition).recipes(), camera)
 
     def references(self, condition: Condition, scale: int) -> Source | None:
         """Return the true references of the probes; None: a folder has none."""
-        asked = self.design
-        if asked.probes_folder is not None:
-            return references_of(read_photographs(asked.probes_folder, "probe"), scale)
-        return self._rendered(self._sitting(condition).recipes(scale), asked.camera.clean())
+        if "probe" in self._given:
+            return references_of(self._given["probe"], scale)
+        return self._rendered(self._sitting(condition).recipes(scale), self.design.camera.clean())
+
+    @cached_property
+    def _given(self) -> dict[str, Photographs]:
+        """The pictures of folders by their kind; a manifest is read once."""
+        folders = {"probe": self.design.probes_folder, "gallery": self.design.gallery_folder}
+        return {kind: read_photographs(root, kind) for kind, root in folders.items() if root}
 
     def _rendered(self, recipes: Sequence[Recipe], camera: Camera) -> Source:
         return Rendered(recipes, camera, self.cache, self.maker, self.progress)
@@ -157,20 +161,21 @@ class Trial:
         true: Sequence[Picture] | None = None,
     ) -> tuple[_Floats, list[float]]:
         """Return embeddings ``(n, D)`` and, against true references, the PSNR of each in dB."""
+        alike: dict[object, list[int]] = {}
+        for number, picture in enumerate(pictures):
+            alike.setdefault(picture.image.shape, []).append(number)
         rows: list[_Floats] = []
-        decibels: list[float] = []
-        for _, run in groupby(range(len(pictures)), lambda i: pictures[i].image.shape):
-            members = list(run)
+        decibels = np.empty(0 if true is None else len(true))
+        for members in alike.values():
             images, landmarks = stack([pictures[i] for i in members])
             enlarged = upscaler(images)
             points = scale_points(landmarks, upscaler.scale)
             rows.append(self.engine.embed(enlarged, points.numpy()))
             if true is not None:
-                references = stack([true[i] for i in members])[0]
-                decibels += psnr_y(
-                    enlarged.numpy(), references.numpy(), shave=upscaler.scale
-                ).tolist()
-        return np.concatenate(rows), decibels
+                references = stack([true[i] for i in members])[0].numpy()
+                decibels[members] = psnr_y(enlarged.numpy(), references, shave=upscaler.scale)
+        given_order = np.argsort(np.concatenate([*alike.values()]))
+        return np.concatenate(rows)[given_order], decibels.tolist()
 
     def _pictures(
         self,

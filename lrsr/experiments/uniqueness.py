@@ -39,7 +39,7 @@ from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encod
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-NEAREST = 10
+_NEAREST = 10
 """Pairs that are shown side by side."""
 
 
@@ -84,6 +84,8 @@ class UniquenessSettings:
         Raises:
             InputError: A value is out of range, or dlib is asked for and not installed.
         """
+        landmarks = config.recognition.landmarks
+        require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
         encoder = resolve_encoder(str(config.encoder))
         given = config.smallest_angle_deg is not None
         least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
@@ -93,7 +95,7 @@ class UniquenessSettings:
             smallest_angle_deg=least,
             most_redraws=whole_number(config, "most_redraws"),
             camera=build(config.camera, "camera"),
-            model=path_if_any(config.recognition.model),
+            model=path_if_any(config.recognition.model, "recognition.model"),
         )
 
 
@@ -199,7 +201,7 @@ def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
         people=tuple(filter(None, (gallery.people[one] for one in drawn))),
         angles_deg=pairwise_angles_deg(rows),
         first_angles_deg=pairwise_angles_deg(firsts),
-        pairs=tuple(closest_pairs(rows, NEAREST)),
+        pairs=tuple(closest_pairs(rows, _NEAREST)),
         outcome=outcome,
     )
 

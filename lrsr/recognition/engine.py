@@ -1,14 +1,11 @@
-"""How alike are two faces? Align, embed, compare."""
+"""What tells one face from another? Align it, embed it; the cosine of two is how alike they are."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
-from lrsr.errors import ImageContractError
-from lrsr.evaluation.scores import Scores
 from lrsr.images import check_srgb
 from lrsr.paths import asset
 from lrsr.recognition.alignment import align
@@ -69,31 +66,3 @@ class Engine:
             "alignment": contract.template,
             "antialias": self.antialias,
         }
-
-
-def cosine_scores(
-    probes: NDArray[np.float32],
-    gallery: NDArray[np.float32],
-    probe_ids: Sequence[str],
-    gallery_ids: Sequence[str],
-) -> Scores:
-    """Compare every probe with every gallery face.
-
-    Args:
-        probes: ``(P, D)`` embeddings of length 1, or NaN.
-        gallery: ``(G, D)`` embeddings of length 1, or NaN.
-        probe_ids: P identities.
-        gallery_ids: G identities.
-
-    Returns:
-        Cosines, higher = more alike; NaN where either side failed to acquire.
-
-    Raises:
-        ImageContractError: The embeddings are not two tables of the same width.
-    """
-    if probes.ndim != 2 or gallery.ndim != 2 or probes.shape[1] != gallery.shape[1]:
-        raise ImageContractError(
-            f"embeddings: got {probes.shape} and {gallery.shape}, wanted (P, D) and (G, D)"
-        )
-    matrix = np.asarray(probes, dtype=np.float64) @ np.asarray(gallery, dtype=np.float64).T
-    return Scores(matrix, tuple(probe_ids), tuple(gallery_ids))

@@ -152,7 +152,7 @@ def alone() -> Iterator[None]:
 
 
 @alone()
-def start() -> Any:
+def _start() -> Any:
     """Import Mitsuba with the chosen variant set, say once which and why, and return the module.
 
     Raises:
@@ -175,7 +175,7 @@ class _Woken:
         """
         if name.startswith("__"):  # of those who look at this object, as doctests do
             raise AttributeError(name)
-        start()
+        _start()
         value = getattr(sys.modules[self._name], name)
         setattr(self, name, value)
         return value

@@ -4,23 +4,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
+from lrsr.spectra import XYZ_TO_RGB
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Of linear sRGB (BT.709)."""
 
-_COOLEST_K, HOTTEST_K = 2000.0, 25000.0
+_COOLEST_K, _HOTTEST_K = 2000.0, 25000.0
 """Cooler light is redder than any sRGB colour; the formulas end at the hottest."""
 
 _DAYLIGHT_K = 4000.0
 """From here on daylight, below a black body: what a lamp and what a window are named by."""
-
-_XYZ_TO_RGB = np.array(
-    [
-        [3.2404542, -1.5371385, -0.4985314],
-        [-0.9692660, 1.8760108, 0.0415560],
-        [0.0556434, -0.2040259, 1.0572252],
-    ]
-)
 
 
 def chromaticity(kelvin: float) -> tuple[float, float]:
@@ -39,9 +32,9 @@ def chromaticity(kelvin: float) -> tuple[float, float]:
         >>> [round(value, 3) for value in chromaticity(6504)]
         [0.313, 0.329]
     """
-    if not _COOLEST_K <= kelvin <= HOTTEST_K:
+    if not _COOLEST_K <= kelvin <= _HOTTEST_K:
         raise InputError(
-            f"colour temperature {kelvin} K: give {_COOLEST_K:.0f} to {HOTTEST_K:.0f}, or rgb"
+            f"colour temperature {kelvin} K: give {_COOLEST_K:.0f} to {_HOTTEST_K:.0f}, or rgb"
         )
     t = float(kelvin)
     if t < _DAYLIGHT_K:
@@ -68,7 +61,7 @@ def rgb_of_kelvin(kelvin: float) -> tuple[float, float, float]:
         [1.0, 1.0, 1.0]
     """
     x, y = chromaticity(kelvin)
-    rgb = _XYZ_TO_RGB @ (x / y, 1.0, (1 - x - y) / y)
+    rgb = XYZ_TO_RGB @ (x / y, 1.0, (1 - x - y) / y)
     red, green, blue = unit_luminance(np.clip(rgb, 0, None)).tolist()
     return red, green, blue
 

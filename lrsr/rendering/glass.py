@@ -18,7 +18,7 @@ D_LINE_NM = 587.5618
 
 AIR = "air"
 
-SELLMEIER: dict[str, tuple[float, float, float, float, float, float]] = {
+_SELLMEIER: dict[str, tuple[float, float, float, float, float, float]] = {
     AIR: (0.0, 0.0, 0.0, 0.01, 0.01, 0.01),
     "N-BK7": (1.03961212, 0.231792344, 1.01046945, 0.00600069867, 0.0200179144, 103.560653),
     "N-SK16": (1.34317774, 0.241144399, 0.994317969, 0.00704687339, 0.0229005, 92.7508526),
@@ -37,18 +37,18 @@ def coefficients(glass: str) -> tuple[float, float, float, float, float, float]:
     """Return B₁, B₂, B₃, C₁, C₂, C₃ (µm²) of a glass.
 
     Raises:
-        InputError: The glass is not in :data:`SELLMEIER`.
+        InputError: The glass is not in ``_SELLMEIER``.
     """
-    if glass not in SELLMEIER:
-        raise InputError(f"glass {glass!r} is not known; choose one of {', '.join(SELLMEIER)}")
-    return SELLMEIER[glass]
+    if glass not in _SELLMEIER:
+        raise InputError(f"glass {glass!r} is not known; choose one of {', '.join(_SELLMEIER)}")
+    return _SELLMEIER[glass]
 
 
 def refractive_index(glass: str, wavelength_nm: ArrayLike = D_LINE_NM) -> NDArray[np.float64]:
     """Return the index of refraction against air.
 
     Args:
-        glass: Name in :data:`SELLMEIER`.
+        glass: Name in ``_SELLMEIER``.
         wavelength_nm: Any shape, nm; the catalogues vouch for 370 to 1500.
 
     Raises:

@@ -6,11 +6,11 @@ pupil stands where the pinhole would, so that all lenses show the same frame.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from lrsr.configuration import settle_numbers
+from lrsr.configuration import as_parts, settle
 from lrsr.errors import InputError
 from lrsr.rendering.glass import AIR, refractive_index
 from lrsr.rendering.surfaces import Surface, entrance_pupil, focal_length_mm, stop_number
@@ -20,16 +20,10 @@ CHANNELS_NM = (611.4, 549.1, 464.2)
 traced at where a lens is asked to disperse."""
 
 
-def widest_f_number(surfaces: Sequence[Surface]) -> float:
+def _widest_f_number(surfaces: Sequence[Surface]) -> float:
     """Return the f-number of the stop as it is drawn."""
     radius = surfaces[stop_number(surfaces)].semi_aperture_mm * abs(entrance_pupil(surfaces)[1])
     return focal_length_mm(surfaces) / (2 * radius)
-
-
-def _settled(surface: Surface) -> Surface:
-    """Return a surface whose lengths are floats, so that equal lenses have equal records."""
-    names = ("radius_mm", "thickness_mm", "semi_aperture_mm", "power_per_mm")
-    return replace(surface, **{name: float(getattr(surface, name)) for name in names})  # type: ignore[arg-type]  # floats all
 
 
 @dataclass(frozen=True)
@@ -59,12 +53,9 @@ class Lens:
             InputError: An f-number or distance that cannot be, a lens without stop, one that does
                 not gather light or ends in glass, or one that does not open so far.
         """
-        given: Iterable[Any] = self.surfaces  # Hydra hands over lists of mappings
-        surfaces = tuple(
-            _settled(row if isinstance(row, Surface) else Surface(**row)) for row in given
-        )
+        settle(self, "lens")
+        surfaces = as_parts(Surface, self.surfaces, "lens.surfaces")
         object.__setattr__(self, "surfaces", surfaces)
-        settle_numbers(self, "lens", "f_number", "focus_m")
         for name in ("f_number", "focus_m"):
             value = getattr(self, name)
             if value is not None and value <= 0:
@@ -80,7 +71,7 @@ class Lens:
             raise InputError(f"lens {self.name!r}: {error}") from error
         if self.surfaces[-1].glass != AIR:
             raise InputError(f"lens {self.name!r} ends in glass: give its last surface air behind")
-        widest = widest_f_number(self.surfaces)
+        widest = _widest_f_number(self.surfaces)
         if self.f_number is not None and self.f_number < widest * (1 - 1e-9):
             raise InputError(
                 f"lens {self.name!r}: f_number={self.f_number}; it opens to {widest:.4g} at most"
@@ -135,7 +126,7 @@ def biconvex(
         focal_mm: Focal length, mm, > 0.
         thickness_mm: Of the middle, mm.
         semi_aperture_mm: Radius of the open face, mm.
-        glass: Name in :data:`lrsr.rendering.glass.SELLMEIER`.
+        glass: Name of one that :func:`lrsr.rendering.glass.coefficients` knows.
 
     Raises:
         InputError: No such lens: it would be too thick, or its faces would meet inside the edge.

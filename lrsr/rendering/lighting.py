@@ -6,7 +6,6 @@ every pose.
 """
 
 import hashlib
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.configuration import settle_numbers
+from lrsr.configuration import as_parts, settle
 from lrsr.errors import InputError
 from lrsr.rendering.lights import NEW, Light, Panel, check_colour, colour_of, spare
 
@@ -56,14 +55,11 @@ class Lighting:
             InputError: A share outside 0..1, no light at all, a fill of no colour or two, or no
                 such file.
         """
-        given: Iterable[Any] = self.lights  # Hydra hands over lists of mappings
-        lights = tuple(light if isinstance(light, Light) else Light(**light) for light in given)
-        near: Iterable[Any] = self.panels
-        panels = tuple(panel if isinstance(panel, Panel) else Panel(**panel) for panel in near)
-        object.__setattr__(self, "lights", lights)
-        object.__setattr__(self, "panels", panels)
-        settle_numbers(self, "lighting", "fill_share", "fill_rgb", "fill_kelvin", "map_deg")
-        count = len(lights) + len(panels)
+        settle(self, "lighting")
+        for name, kind in (("lights", Light), ("panels", Panel)):
+            parts = as_parts(kind, getattr(self, name), f"lighting.{name}")
+            object.__setattr__(self, name, parts)
+        count = len(self.lights) + len(self.panels)
         if not 0 <= self.fill_share <= 1 or (self.fill_share == 1) == bool(count):
             raise InputError(
                 f"lighting {self.name!r}: fill_share={self.fill_share} with {count}"

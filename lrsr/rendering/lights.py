@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.configuration import settle_numbers
+from lrsr.configuration import settle
 from lrsr.errors import InputError
 from lrsr.rendering.colour import chromaticity, rgb_of_kelvin, unit_luminance
 
@@ -21,7 +21,7 @@ NEW: Mapping[str, bool] = {"left_out": True}
 
 
 def _is_colour(rgb: tuple[float, ...]) -> bool:
-    return len(rgb) == 3 and min(rgb) >= 0 and 0 < max(rgb) < math.inf
+    return min(rgb) >= 0 and max(rgb) > 0
 
 
 def colour_of(rgb: tuple[float, float, float], kelvin: float | None) -> NDArray[np.float64]:
@@ -69,7 +69,7 @@ class Light:
         Raises:
             InputError: A light without power, of no colour or two, or larger than half the sky.
         """
-        settle_numbers(self, "light", *(each.name for each in fields(self)))
+        settle(self, "light")
         if not (self.irradiance > 0 and 0 < self.diameter_deg <= 180 and _is_colour(self.rgb)):
             raise InputError(
                 f"light: irradiance {self.irradiance}, diameter {self.diameter_deg}°,"
@@ -121,14 +121,13 @@ class Panel:
         Raises:
             InputError: A panel without size or power, inside the head, or of no colour or two.
         """
-        settle_numbers(self, "panel", *(each.name for each in fields(self)))
-        numbers = (*self.position_mm, self.width_mm, self.height_mm, self.irradiance)
-        sound = len(numbers) == 6 and min(numbers[3:]) > 0
-        if not sound or self.distance_mm < NEAREST_MM:
+        settle(self, "panel")
+        sound = min(self.width_mm, self.height_mm, self.irradiance) > 0
+        if not sound or self.distance_mm < _NEAREST_MM:
             raise InputError(
                 f"panel at {self.position_mm} mm, {self.width_mm} x {self.height_mm} mm, irradiance"
                 f" {self.irradiance}: give finite numbers, sizes and irradiance > 0, and a position"
-                f" at least {NEAREST_MM:g} mm away"
+                f" at least {_NEAREST_MM:g} mm away"
             )
         check_colour("panel: rgb", self.rgb, self.kelvin)
 
@@ -157,7 +156,7 @@ class Panel:
         return matrix
 
 
-NEAREST_MM = 200.0
+_NEAREST_MM = 200.0
 """A panel that is nearer would stand in the head."""
 
 

@@ -60,7 +60,7 @@ class LiveScene:
     def show(self, head: Head, lighting: Lighting, pose: Pose) -> Any:
         """Return the ``mi.Scene`` with that head in that light, as seen from the head's frame."""
         shown = self._head
-        if shown is None or len(lighting.panels) != self._panels or not fits(head, shown):
+        if shown is None or len(lighting.panels) != self._panels or not _fits(head, shown):
             self._load(head, lighting)
         elif head is not shown:
             self._update_head(head, shown)
@@ -173,7 +173,7 @@ class LiveScene:
         self._lighting, self._pose = lighting, pose
 
 
-def fits(new: Head, old: Head) -> bool:
+def _fits(new: Head, old: Head) -> bool:
     """Tell whether a head can replace another in place: it differs in shape and colour alone."""
 
     def outline(part: Part) -> tuple[object, ...]:

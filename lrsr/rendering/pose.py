@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.configuration import settle_numbers
+from lrsr.configuration import settle
 
 PIVOT_MM = np.array([0.0, -60.0, -90.0])
 """About which point a head turns: the joint of skull and neck, head frame, mm (estimated)."""
@@ -36,7 +36,7 @@ class Pose:
         Raises:
             InputError: An angle is NaN, infinite or no number.
         """
-        settle_numbers(self, "pose", "yaw_deg", "pitch_deg", "roll_deg")
+        settle(self, "pose")
 
     def rotation(self) -> NDArray[np.float64]:
         """Return the ``(3, 3)`` matrix that turns head-frame directions into the world frame.

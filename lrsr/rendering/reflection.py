@@ -24,7 +24,7 @@ _MIN_SLOPE = 1e-3
 """Smallest α, as in ``principled``."""
 
 
-def fresnel(cosine: ArrayLike, refractive_index: float) -> NDArray[np.float64]:
+def _fresnel(cosine: ArrayLike, refractive_index: float) -> NDArray[np.float64]:
     """Reflectance of a smooth dielectric for unpolarised light.
 
     Args:
@@ -32,7 +32,7 @@ def fresnel(cosine: ArrayLike, refractive_index: float) -> NDArray[np.float64]:
         refractive_index: Of the far side relative to the near one, > 0.
 
     Example:
-        >>> round(float(fresnel(1.0, 1.4)), 4)
+        >>> round(float(_fresnel(1.0, 1.4)), 4)
         0.0278
     """
     near = np.asarray(cosine, dtype=np.float64)
@@ -73,7 +73,7 @@ def _directional_albedo(cosine: ArrayLike, slope: float, refractive_index: float
     out = 2 * facing * z / length - cosine
     tangent = np.sqrt(np.clip(1 - out**2, 0, 1)) / np.where(out > 0, out, 1)
     shadowing = 2 / (1 + np.sqrt(1 + (slope * tangent) ** 2))
-    lobe = np.where(out > 0, fresnel(np.clip(facing, 0, 1), refractive_index) * shadowing, 0)
+    lobe = np.where(out > 0, _fresnel(np.clip(facing, 0, 1), refractive_index) * shadowing, 0)
     return lobe.mean(axis=(1, 2))
 
 

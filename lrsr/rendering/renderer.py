@@ -134,7 +134,7 @@ def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:
 
 @alone()
 @cache
-def _shared_renderer(skin: Skin, max_depth: int) -> Renderer:
+def shared_renderer(skin: Skin, max_depth: int) -> Renderer:
     """Return the process's one renderer of that skin: its scene and kernels are used again."""
     return Renderer(skin, max_depth=max_depth)
 
@@ -181,7 +181,7 @@ def render(
         standpoint=preset("standpoint", standpoint),
     )
     quality = Quality(samples_per_pixel, max_depth, skin=preset("rendering/skin", skin))
-    renderer = _shared_renderer(quality.skin, quality.max_depth)
+    renderer = shared_renderer(quality.skin, quality.max_depth)
     film = Film(ipd_px, scale, bands)
     return renderer.render(
         head, scene, film, samples_per_pixel=quality.samples_per_pixel, seed=seed

@@ -7,8 +7,7 @@ Names of presets (``conf/pose/left.yaml``) become these values where a configura
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from lrsr.configuration import as_number, as_whole
-from lrsr.errors import InputError
+from lrsr.configuration import require, settle
 from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.rendering.lens import PINHOLE, Lens
 from lrsr.rendering.lighting import Lighting
@@ -16,27 +15,10 @@ from lrsr.rendering.pose import FRONTAL, Pose
 from lrsr.rendering.skin import REFLECTIVE, Skin
 from lrsr.rendering.standpoint import LEVEL, Standpoint
 
-SCALES = (1, 2, 4)
+_SCALES = (1, 2, 4)
 
-LEAST_SAMPLES = 64
+_LEAST_SAMPLES = 64
 """Samples a pixel of a large face, unless it is told to take fewer."""
-
-_WHOLE = {
-    "bands": (0, 350),
-    "samples_per_pixel": (1, 2**24),
-    "max_depth": (2, 2**16),
-    "texture_size": (64, 8192),
-}
-"""Lowest and highest; of an albedo below 64 px nothing is left, and 8192 are 800 MB of floats."""
-
-
-def _settle(instance: object, group: str, *fields: str) -> None:
-    for field in fields:
-        value = as_whole(getattr(instance, field), f"{group}{field}")
-        low, high = _WHOLE[field]
-        if not low <= value <= high:
-            raise InputError(f"{group}{field}={value}: wanted {low} to {high}")
-        object.__setattr__(instance, field, value)
 
 
 @dataclass(frozen=True)
@@ -86,15 +68,19 @@ class Film:
     bands: int = 0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "ipd_px", as_number(self.ipd_px, "ipd_px"))
-        object.__setattr__(self, "scale", as_whole(self.scale, "scale"))
-        _settle(self, "", "bands")
-        if not 0 < self.ipd_px < 2000:
-            raise InputError(f"ipd_px={self.ipd_px:g}: wanted a number of pixels > 0 and < 2000")
-        if self.scale not in SCALES:
-            raise InputError(f"scale={self.scale}: wanted one of {SCALES}")
-        if 0 < self.bands < 7:
-            raise InputError(f"bands={self.bands}: wanted 0, or 7 to 350")
+        settle(self, "")
+        wish = "a number of pixels > 0 and < 2000"
+        require(0 < self.ipd_px < 2000, "ipd_px", f"{self.ipd_px:g}", wish)
+        require(self.scale in _SCALES, "scale", self.scale, f"one of {_SCALES}")
+        require(self.bands == 0 or 7 <= self.bands <= 350, "bands", self.bands, "0, or 7 to 350")
+
+
+_LIMITS = {
+    "samples_per_pixel": (1, 2**24),
+    "max_depth": (2, 2**16),
+    "texture_size": (64, 8192),
+}
+"""Lowest and highest; of an albedo below 64 px nothing is left, and 8192 are 800 MB of floats."""
 
 
 @dataclass(frozen=True)
@@ -117,18 +103,21 @@ class Quality:
     skin: Skin = REFLECTIVE
 
     def __post_init__(self) -> None:
-        _settle(self, "rendering.", "samples_per_pixel", "max_depth", "texture_size")
+        settle(self, "rendering")
+        for name, (low, high) in _LIMITS.items():
+            value = getattr(self, name)
+            require(low <= value <= high, f"rendering.{name}", value, f"{low} to {high}")
 
     def at(self, ipd_px: float) -> "Quality":
         """Return the quality of a film of that size, where this one is that of 8 px.
 
         A larger face gets the same number of rays, so that it is as free of noise after alignment,
-        but at least :data:`LEAST_SAMPLES` a pixel (or as many as this one has).
+        but at least ``_LEAST_SAMPLES`` a pixel (or as many as this one has).
 
         Example:
             >>> Quality(512).at(16).samples_per_pixel
             128
         """
         fair = round(self.samples_per_pixel * min(1.0, 8 / ipd_px) ** 2)
-        samples = min(self.samples_per_pixel, max(fair, LEAST_SAMPLES))
+        samples = min(self.samples_per_pixel, max(fair, _LEAST_SAMPLES))
         return replace(self, samples_per_pixel=samples)

@@ -1,10 +1,9 @@
 """What is skin made of? Models of it, as plain numbers with names."""
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
-from lrsr.configuration import settle_numbers
-from lrsr.errors import InputError
+from lrsr.configuration import require, settle
 
 _SkinModel = Literal["reflective", "subsurface", "volumetric"]
 _Fixed = Literal["coefficients", "scattering"]
@@ -50,30 +49,15 @@ class Skin:
     reach_mm: float = 0.0
 
     def __post_init__(self) -> None:
-        numbers = ("absorption_per_mm", "scattering_per_mm", "refractive_index", "reach_mm")
-        settle_numbers(self, "skin", *numbers)
-        absorbs, scatters = self.absorption_per_mm, self.scattering_per_mm
+        settle(self, "skin")
         opaque = self.model == "reflective"
-        wanted = {
-            "model": (
-                self.model in get_args(_SkinModel),
-                f"one of {', '.join(get_args(_SkinModel))}",
-            ),
-            "fixed": (self.fixed in get_args(_Fixed), f"one of {', '.join(get_args(_Fixed))}"),
-            "absorption_per_mm": (
-                len(absorbs) == 3 and min(absorbs) >= 0,
-                "three numbers >= 0",
-            ),
-            "scattering_per_mm": (
-                opaque or (len(scatters) == 3 and min(scatters) > 0),
-                "three numbers > 0",
-            ),
-            "refractive_index": (opaque or 1 < self.refractive_index <= 2, "a number > 1 and <= 2"),
-            "reach_mm": (opaque or self.reach_mm > 0, "a number of millimetres > 0"),
-        }
-        for name, (holds, wish) in wanted.items():
-            if not holds:
-                raise InputError(f"skin.{name}={getattr(self, name)}: wanted {wish}")
+        for name, holds, wish in (
+            ("absorption_per_mm", min(self.absorption_per_mm) >= 0, "three numbers >= 0"),
+            ("scattering_per_mm", opaque or min(self.scattering_per_mm) > 0, "three numbers > 0"),
+            ("refractive_index", opaque or 1 < self.refractive_index <= 2, "a number > 1 and <= 2"),
+            ("reach_mm", opaque or self.reach_mm > 0, "a number of millimetres > 0"),
+        ):
+            require(holds, f"skin.{name}", getattr(self, name), wish)
 
     def plain(self) -> dict[str, Any]:
         """Return all that changes pixels: of skin that reflects, that it does."""

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from lrsr.configuration import settle_numbers
+from lrsr.configuration import settle
 from lrsr.errors import InputError
 
 _EYE_HEIGHT_M = 1.6
@@ -34,7 +34,7 @@ class Standpoint:
         Raises:
             InputError: A distance that is not positive, or a number that is none.
         """
-        settle_numbers(self, "standpoint", "distance_m", "height_m", "eye_height_m")
+        settle(self, "standpoint")
         if self.distance_m is not None and self.distance_m <= 0:
             raise InputError(f"standpoint.distance_m={self.distance_m:g}: wanted a distance > 0")
 

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.configuration import require, settle
 from lrsr.errors import InputError
 from lrsr.rendering.glass import AIR, D_LINE_NM, refractive_index
 
@@ -46,12 +47,9 @@ class Surface:
         Raises:
             InputError: A length that cannot be, or an unknown glass.
         """
-        lengths = (self.radius_mm, self.thickness_mm, self.power_per_mm)
-        if not (all(map(math.isfinite, lengths)) and self.semi_aperture_mm > 0):
-            raise InputError(
-                f"surface of radius {self.radius_mm}, thickness {self.thickness_mm}, semi-aperture"
-                f" {self.semi_aperture_mm}: give finite numbers in mm and a semi-aperture > 0"
-            )
+        settle(self, "surface")
+        name, aperture = "surface.semi_aperture_mm", self.semi_aperture_mm
+        require(aperture > 0, name, f"{aperture:g}", "a number of millimetres > 0")
         refractive_index(self.glass)  # refuses an unknown one
 
     @property
@@ -70,24 +68,24 @@ class Surface:
         )
 
 
-def indices(surfaces: Sequence[Surface], wavelength_nm: float = D_LINE_NM) -> NDArray[np.float64]:
+def _indices(surfaces: Sequence[Surface], wavelength_nm: float = D_LINE_NM) -> NDArray[np.float64]:
     """Return the index before the first surface and behind each, ``(N + 1,)``."""
     behind = [float(refractive_index(surface.glass, wavelength_nm)) for surface in surfaces]
     return np.array([1.0, *behind])
 
 
-def paraxial(surfaces: Sequence[Surface], wavelength_nm: float = D_LINE_NM) -> NDArray[np.float64]:
+def _paraxial(surfaces: Sequence[Surface], wavelength_nm: float = D_LINE_NM) -> NDArray[np.float64]:
     """Return the ray matrix from the first vertex to the last, for (height, n · slope).
 
     A surface is [[1, 0], [-φ, 1]] with φ = (n' - n) c, a gap [[1, t / n], [0, 1]] (Gauss 1841).
 
     Example:
         >>> thin = Surface(0, 0, power_per_mm=0.1)
-        >>> paraxial([thin]).tolist()
+        >>> _paraxial([thin]).tolist()
         [[1.0, 0.0], [-0.1, 1.0]]
     """
     matrix = np.eye(2)
-    n = indices(surfaces, wavelength_nm)
+    n = _indices(surfaces, wavelength_nm)
     for number, surface in enumerate(surfaces):
         if number:
             gap = surfaces[number - 1].thickness_mm / n[number]
@@ -107,7 +105,7 @@ def focal_length_mm(surfaces: Sequence[Surface], wavelength_nm: float = D_LINE_N
         >>> focal_length_mm([Surface(0, 0, power_per_mm=0.25)])
         4.0
     """
-    power = -float(paraxial(surfaces, wavelength_nm)[1, 0])
+    power = -float(_paraxial(surfaces, wavelength_nm)[1, 0])
     if not power > 0:
         raise InputError(f"the lens has the power {power:.3g} per mm: give one that gathers light")
     return 1 / power
@@ -131,7 +129,7 @@ def image_of(
         >>> image_of([Surface(0, 0, power_per_mm=0.25)], 8.0)
         (8.0, -1.0)
     """
-    (a, b), (c, d) = paraxial(surfaces, wavelength_nm)
+    (a, b), (c, d) = _paraxial(surfaces, wavelength_nm)
     if math.isinf(object_mm):
         return float(-a / c), 0.0
     steepness = c * object_mm + d
@@ -162,8 +160,8 @@ def entrance_pupil(surfaces: Sequence[Surface]) -> tuple[float, float]:
     if stop == 0:
         return 0.0, 1.0
     # From (height, slope) in front to the stop's plane: a ray through its middle has height 0.
-    n, gap = indices(surfaces), surfaces[stop - 1].thickness_mm
-    (a, b), _ = np.array([[1.0, gap / n[stop]], [0.0, 1.0]]) @ paraxial(surfaces[:stop])
+    n, gap = _indices(surfaces), surfaces[stop - 1].thickness_mm
+    (a, b), _ = np.array([[1.0, gap / n[stop]], [0.0, 1.0]]) @ _paraxial(surfaces[:stop])
     return float(b / a), float(1 / a)
 
 
@@ -207,7 +205,7 @@ def trace(
         directions: ``(N, 3)``, unit length.
         through: ``(N,)``; False: missed a surface, hit a rim or was totally reflected.
     """
-    n = indices(surfaces, wavelength_nm)
+    n = _indices(surfaces, wavelength_nm)
     vertices = np.cumsum([0.0, *(surface.thickness_mm for surface in surfaces[:-1])])
     point = np.array(origins, dtype=np.float64)
     ray = np.array(directions, dtype=np.float64)

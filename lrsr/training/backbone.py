@@ -49,7 +49,7 @@ class Backbone(nn.Module):
         channels = widths[0]
         for stage, (width, count) in enumerate(zip(widths, blocks, strict=True)):
             for block in range(count):
-                layers.append(Residual(channels, width, stride=2 if stage and not block else 1))
+                layers.append(_Residual(channels, width, stride=2 if stage and not block else 1))
                 channels = width
         side = CROP_PX // 4 // 2 ** (len(widths) - 1)
         self.features = nn.Sequential(*layers)
@@ -69,7 +69,7 @@ class Backbone(nn.Module):
         return embeddings
 
 
-class Residual(nn.Module):
+class _Residual(nn.Module):
     """Two 3×3 convolutions beside a shortcut (He et al. 2016)."""
 
     def __init__(self, channels: int, width: int, *, stride: int) -> None:

@@ -14,6 +14,7 @@ import torch.nn.functional as F
 from numpy.typing import NDArray
 
 from lrsr.camera.codec import jpeg
+from lrsr.configuration import settle
 from lrsr.images import resize_bicubic
 from lrsr.recognition.alignment import CROP_PX, TEMPLATE_PX, warp
 
@@ -53,6 +54,14 @@ class Degradation:
     contrast: float = 0.15
     jitter: float = 0.02
     group: int = 16
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            InputError: One is none.
+        """
+        settle(self, "module.degradation")
 
     def __call__(
         self, crops: torch.Tensor, sharp: torch.Tensor, rng: np.random.Generator

@@ -16,8 +16,8 @@ from lrsr.errors import NonFiniteError
 from lrsr.files import replacing
 from lrsr.onnx import open_session
 
-OPSET = 18
-TOLERANCE = 1e-5
+_OPSET = 18
+_TOLERANCE = 1e-5
 
 
 def export_onnx(
@@ -55,9 +55,9 @@ def export_onnx(
         difference = max(_difference(temporary, network, names[0], shape) for shape in shapes)
         if not math.isfinite(difference):
             raise NonFiniteError(f"{path} is not written: the network returns NaN or infinity")
-        if difference > TOLERANCE:
+        if difference > _TOLERANCE:
             raise RuntimeError(
-                f"{path}: ONNX and torch differ by {difference:.1e}, over {TOLERANCE}"
+                f"{path}: ONNX and torch differ by {difference:.1e}, over {_TOLERANCE}"
             )
     return difference
 
@@ -79,7 +79,7 @@ def _as_onnx(
                 input_names=[names[0]],
                 output_names=[names[1]],
                 dynamic_shapes=({axis: torch.export.Dim(name) for axis, name in free.items()},),
-                opset_version=OPSET,
+                opset_version=_OPSET,
                 dynamo=True,
                 external_data=False,
                 verbose=False,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.camera import Camera
-from lrsr.configuration import as_number, require
+from lrsr.configuration import as_list, as_number, as_whole, require
 from lrsr.identities.person import Person
 from lrsr.images import resize_bicubic, scale_points
 from lrsr.pictures.picture import Picture, stack
@@ -80,9 +80,14 @@ class Faces(Rendered):
             value = getattr(self, name)
             require(value >= count, f"data.{name}", value, f"at least {count}")
         for name in ("sharp_ipd_px", "small_ipd_px"):
-            ipds = [as_number(ipd, f"data.{name}") for ipd in getattr(self, name)]
+            given = as_list(getattr(self, name), f"data.{name}")
+            ipds = [as_number(ipd, f"data.{name}") for ipd in given]
             holds = len(ipds) == 2 and 0 < ipds[0] <= ipds[1]
             require(holds, f"data.{name}", ipds, "0 < lowest <= highest")
+        for ipd in self.validation_ipd_px:
+            as_number(ipd, "data.validation_ipd_px")
+        for factor in self.enlargements:
+            as_whole(factor, "data.enlargements")
         require(len(self.people) >= 2, "identities.count", len(self.people), "at least 2")
         self.cameras = [self.camera.compressing(name) for name in self.compressions]
         self.plain, self.clean = self.camera.compressing("none"), self.camera.clean()
@@ -170,7 +175,7 @@ class Faces(Rendered):
     def train_dataloader(self) -> DataLoader[tuple[torch.Tensor, ...]]:
         """Return batches of crops ``(B, 3, 112, 112)`` uint8, who each is, and which are sharp."""
         _, people, sharp = (tensor.numpy() for tensor in self.faces.tensors)
-        draw = partial(draw_views, people, sharp, self.views)
+        draw = partial(_draw_views, people, sharp, self.views)
         order = EpochOrder(draw, batch_size=self.batch_size, seed=self.seed)
         return DataLoader(self.faces, sampler=order, batch_size=None)
 
@@ -179,7 +184,7 @@ class Faces(Rendered):
         return DataLoader(self.validation, batch_size=None)
 
 
-def draw_views(
+def _draw_views(
     people: NDArray[np.int64], sharp: NDArray[np.bool_], views: int, rng: np.random.Generator
 ) -> NDArray[np.int64]:
     """Draw rows of every person, half of them sharp where there are both kinds.

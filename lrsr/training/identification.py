@@ -9,7 +9,7 @@ import torch
 import torch.nn.functional as F
 from numpy.typing import NDArray
 
-from lrsr.configuration import as_number
+from lrsr.configuration import as_flag, as_number, as_whole
 from lrsr.errors import InputError
 from lrsr.evaluation.delong import measure_auc
 from lrsr.files import write_text
@@ -67,7 +67,8 @@ class Identification(Learner):
             raise InputError(f"module.scale={scale}: wanted a number > 0")
         if not 0 <= as_number(margin, "module.margin") < np.pi / 2:
             raise InputError(f"module.margin={margin}: wanted 0 to 1.57")
-        self.people, self.antialias, self.seed = people, antialias, seed
+        self.people, self.seed = as_whole(people, "module.people"), as_whole(seed, "module.seed")
+        self.antialias = as_flag(antialias, "module.antialias")
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, "weights"))
             self.backbone = Backbone().to(memory_format=torch.channels_last)
@@ -107,7 +108,7 @@ class Identification(Learner):
 
     def on_validation_epoch_end(self) -> None:
         """Log val/auc_ipd64 ... and their mean, val/auc."""
-        for name, auc in verification_aucs(self._embedded).items():
+        for name, auc in _verification_aucs(self._embedded).items():
             self.log(f"val/{name}", auc)
         self._embedded = {}
 
@@ -148,10 +149,10 @@ class Identification(Learner):
     def _measured(self, embedder: Embedder) -> dict[str, float]:
         sets = cast("Any", self.trainer).datamodule.val_dataloader()
         embedded = {name: embedder(crops.float() / 255) for name, crops in sets}
-        return {f"val/{name}": auc for name, auc in verification_aucs(embedded).items()}
+        return {f"val/{name}": auc for name, auc in _verification_aucs(embedded).items()}
 
 
-def verification_aucs(embedded: Mapping[str, NDArray[np.float32]]) -> dict[str, float]:
+def _verification_aucs(embedded: Mapping[str, NDArray[np.float32]]) -> dict[str, float]:
     """Compare each set of probes with the gallery, everybody with everybody.
 
     Args:
@@ -161,7 +162,7 @@ def verification_aucs(embedded: Mapping[str, NDArray[np.float32]]) -> dict[str, 
         "auc_NAME" for each probe set, and "auc", their mean.
 
     Example:
-        >>> verification_aucs({"gallery": np.eye(3), "ipd8": np.eye(3)})
+        >>> _verification_aucs({"gallery": np.eye(3), "ipd8": np.eye(3)})
         {'auc_ipd8': 1.0, 'auc': 1.0}
     """
     gallery = embedded["gallery"]

@@ -12,6 +12,7 @@ import torch
 from lightning.pytorch import LightningModule
 from lightning.pytorch.utilities.types import OptimizerLRScheduler
 
+from lrsr.configuration import as_number
 from lrsr.errors import InputError, NonFiniteError
 
 MakeOptimizer = partial[torch.optim.Optimizer]
@@ -33,6 +34,9 @@ class Learner(LightningModule):
         monitor: The logged figure that tells the best epoch.
         mode: Is more better ("max") or less ("min")?
         history: Every epoch's figures.
+
+    Raises:
+        InputError: Optimiser or schedule cannot be made with these settings.
     """
 
     monitor: ClassVar[str]
@@ -41,6 +45,14 @@ class Learner(LightningModule):
     def __init__(self, optimizer: MakeOptimizer, scheduler: MakeScheduler | None) -> None:
         super().__init__()
         self.make_optimizer, self.make_scheduler = optimizer, scheduler
+        if "lr" in optimizer.keywords:
+            as_number(optimizer.keywords["lr"], "module.optimizer.lr")
+        try:  # before anything is rendered
+            tried = optimizer([torch.nn.Parameter(torch.zeros(1))])
+            if scheduler is not None:
+                scheduler(tried, **dict.fromkeys(self._lengths(), 2))
+        except (TypeError, ValueError) as error:
+            raise InputError(f"module.optimizer or module.scheduler: {error}") from error
         self.history: list[dict[str, float]] = []
 
     @abstractmethod
@@ -97,17 +109,25 @@ class Learner(LightningModule):
         optimizer = self.make_optimizer(self.parameter_groups())
         if self.make_scheduler is None:
             return optimizer
-        asked = inspect.signature(self.make_scheduler).parameters
-        length = {
-            name: int(self.trainer.estimated_stepping_batches)
-            for name in ("T_max", "total_steps")
-            if name in asked and asked[name].default in (None, inspect.Parameter.empty)
-        }
-        scheduler = self.make_scheduler(optimizer, **length)
+        length = int(self.trainer.estimated_stepping_batches) if self.follows_length else 0
+        scheduler = self.make_scheduler(optimizer, **dict.fromkeys(self._lengths(), length))
         return {
             "optimizer": optimizer,
             "lr_scheduler": {"scheduler": scheduler, "interval": "step"},
         }
+
+    @property
+    def follows_length(self) -> bool:
+        """Do the rates, from the first step on, depend on how long the run is to be?"""
+        return bool(self._lengths())
+
+    def _lengths(self) -> list[str]:
+        """Return the scheduler's arguments that the length of the run is filled in for."""
+        if self.make_scheduler is None:
+            return []
+        asked, unset = inspect.signature(self.make_scheduler).parameters, inspect.Parameter.empty
+        names = [name for name in ("T_max", "total_steps") if name in asked]
+        return [name for name in names if asked[name].default in (None, unset)]
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         """Add the history."""

@@ -72,4 +72,5 @@ def _value(key: str, given: Any) -> Any:
         return [value_of(_GROUPS[key], one) for one in listed] if key in _GROUPS else listed
     if key in _GROUPS:
         return value_of(_GROUPS[key], given)
-    return _built(given, f"data.{key}") if isinstance(given, Mapping) else given
+    built = isinstance(given, Mapping) and "_target_" in given
+    return _built(given, f"data.{key}") if built else given

@@ -16,7 +16,7 @@ import torch
 from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.camera import Camera
-from lrsr.configuration import as_number, require
+from lrsr.configuration import as_list, as_number, as_whole, require
 from lrsr.identities.person import Person
 from lrsr.pictures.picture import stack
 from lrsr.pictures.recipe import Recipe, derived_seed
@@ -70,7 +70,10 @@ class Pairs(Rendered):
         ]
         self.ipd_px = [as_number(ipd, "data.ipd_px") for ipd in self.ipd_px]
         self.conditions = list(product(scenes, self.ipd_px))
-        self.steps = [(int(lr), int(hr)) for lr, hr in self.films or [(1, self.scale)]]
+        films = [(1, self.scale)] if self.films is None else as_list(self.films, "data.films")
+        pairs = [as_list(pair, "data.films") for pair in films]
+        require(all(len(pair) == 2 for pair in pairs), "data.films", films, "pairs, e.g. [[1,2]]")
+        self.steps = [tuple(as_whole(film, "data.films") for film in pair) for pair in pairs]
         self.cameras = [self.camera.compressing(name) for name in self.compressions]
         self.clean = self.camera.clean()
         self._check()

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import torch
 
+from lrsr.configuration import require, settle
 from lrsr.errors import ImageContractError
 from lrsr.images import check_images, luminance, resize_bicubic
 
@@ -44,7 +45,7 @@ class LuminancePatches:
         stride_px: From patch to patch.
 
     Raises:
-        ImageContractError: The label is not centred.
+        InputError: A number is none, or the label is not centred.
 
     Example:
         >>> small, true = torch.zeros(2, 3, 32, 32), torch.zeros(2, 3, 64, 64)
@@ -57,6 +58,8 @@ class LuminancePatches:
     stride_px: int = 14
 
     def __post_init__(self) -> None:
+        settle(self, "data.patches")
+        require(self.stride_px > 0, "data.patches.stride_px", self.stride_px, "at least 1")
         if (self.patch_px - self.label_px) % 2 or self.patch_px < self.label_px:
             raise ImageContractError(
                 f"a label of {self.label_px} is not centred in a patch of {self.patch_px}"
@@ -87,6 +90,9 @@ class RgbPatches:
         patch_px: Side of an input patch, px of the small picture.
         stride_px: From patch to patch.
 
+    Raises:
+        InputError: A number is none.
+
     Example:
         >>> small, true = torch.zeros(2, 3, 32, 32), torch.zeros(2, 3, 64, 64)
         >>> [tuple(patches.shape) for patches in RgbPatches(16, 8).cut(small, true)]
@@ -95,6 +101,10 @@ class RgbPatches:
 
     patch_px: int = 16
     stride_px: int = 8
+
+    def __post_init__(self) -> None:
+        settle(self, "data.patches")
+        require(self.stride_px > 0, "data.patches.stride_px", self.stride_px, "at least 1")
 
     def least_px(self, scale: int) -> int:
         """Return how wide the small picture is at least."""

@@ -15,13 +15,13 @@ _Precision = Literal["bf16-mixed", "32-true"]
 _CPUINFO = Path("/proc/cpuinfo")
 
 
-def has_bfloat16(cpuinfo: str) -> bool:
+def _has_bfloat16(cpuinfo: str) -> bool:
     """Tell from the text of ``/proc/cpuinfo`` whether the processor multiplies bfloat16.
 
     Example:
-        >>> has_bfloat16("flags : fpu avx512f avx512_bf16 amx_tile")
+        >>> _has_bfloat16("flags : fpu avx512f avx512_bf16 amx_tile")
         True
-        >>> has_bfloat16("flags : fpu avx2")
+        >>> _has_bfloat16("flags : fpu avx2")
         False
     """
     flags = re.findall(r"^(?:flags|Features)\s*:(.*)$", cpuinfo, re.MULTILINE)
@@ -38,6 +38,6 @@ def choose_precision(accelerator: str = "auto") -> tuple[_Precision, str]:
         return "32-true", "float32: on a GPU the network waits for its data, not for arithmetic"
     if not _CPUINFO.is_file():
         return "32-true", "float32: this system does not say what its processor can do"
-    if has_bfloat16(_CPUINFO.read_text()):
+    if _has_bfloat16(_CPUINFO.read_text()):
         return "bf16-mixed", "bfloat16 autocast: this processor has the instructions"
     return "32-true", "float32: this processor has no bfloat16 instructions"

@@ -3,17 +3,17 @@
 import hashlib
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any
 
 from lightning.pytorch import LightningDataModule
 
 from lrsr.camera import Camera
-from lrsr.configuration import as_whole
+from lrsr.configuration import settle
 from lrsr.errors import InputError
 from lrsr.identities.person import Person
 from lrsr.pictures.cache import RenderCache
-from lrsr.pictures.maker import Maker, mitsuba_maker
+from lrsr.pictures.maker import Maker, MitsubaMaker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
@@ -52,14 +52,12 @@ class Rendered(LightningDataModule):
     cache: RenderCache
     batch_size: int
     seed: int
-    maker: Maker = field(default_factory=mitsuba_maker)
+    maker: Maker = field(default_factory=MitsubaMaker)
     progress: bool = True
 
     def __post_init__(self) -> None:
         super().__init__()
-        for one in fields(self):
-            if one.type is int:
-                setattr(self, one.name, as_whole(getattr(self, one.name), f"data.{one.name}"))
+        settle(self, "data")
         if not self.people:
             raise InputError("identities.count=0: wanted somebody to learn from")
         known = {person.id for person in self.people}

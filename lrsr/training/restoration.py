@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch.nn import functional as F
 
-from lrsr.configuration import as_number, as_whole
+from lrsr.configuration import as_flag, as_number, as_whole, as_word
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.evaluation.quality import psnr_y
 from lrsr.pictures.recipe import derived_seed
@@ -71,9 +71,11 @@ class Restoration(Learner):
             ("architecture", architecture, NETWORKS),
             ("loss", loss, _LOSSES),
         ):
-            if value not in known:
+            if not isinstance(value, str) or value not in known:
                 raise InputError(f"module.{name}={value}: wanted one of {', '.join(known)}")
-        self.distance, self.slower, self.turned, self.seed = _LOSSES[loss], slower, turned, seed
+        self.distance, self.turned = _LOSSES[loss], as_flag(turned, "module.turned")
+        self.slower = {part: as_number(s, f"module.slower.{part}") for part, s in slower.items()}
+        self.seed = as_whole(seed, "module.seed")
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, "weights"))
             network = NETWORKS[architecture](**arguments)
@@ -83,7 +85,7 @@ class Restoration(Learner):
             arguments=dict(arguments),
             scale=as_whole(scale, "module.scale"),
             input=network.input,
-            lr_made_by=lr_made_by,
+            lr_made_by=as_word(lr_made_by, "module.lr_made_by"),
             enlarged_by=ENLARGED_BY if network.input == "luminance" else "",
         )
         for part in slower:

@@ -25,6 +25,7 @@ _IRRELEVANT = (
     "trainer.log_every_n_steps",
 )
 _PRODUCTS = ("last.ckpt", "best.ckpt", "model.onnx", "model.toml", "model.safetensors")
+_LENGTH = "trainer.max_epochs"
 _LONGEST = 60
 
 
@@ -40,7 +41,7 @@ def what_matters(config: Mapping[str, Any]) -> dict[str, Any]:
     """
     flat = dict(_flat(config))
     if flat.get("trainer.precision") == "auto":  # on another machine it may be another
-        flat["trainer.precision"], _ = choose_precision(flat["trainer.accelerator"])
+        flat["trainer.precision"], _ = choose_precision(flat.get("trainer.accelerator", "auto"))
     return {
         name: value
         for name, value in flat.items()
@@ -48,12 +49,16 @@ def what_matters(config: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def refuse_other_run(folder: Path, depends_on: Mapping[str, Any]) -> None:
-    """Let only the same run go on in a folder; nothing is written here.
+def refuse_other_run(
+    folder: Path, depends_on: Mapping[str, Any], *, follows_length: bool = True
+) -> None:
+    """Let only the same run go on in a folder, or a longer one; nothing is written here.
 
     Args:
         folder: Of the run.
         depends_on: What its weights depend on, in plain values.
+        follows_length: Its weights do so from the first step on, by a schedule that is as long as
+            the run; else it may have more epochs than before.
 
     Raises:
         InputError: The folder holds a run that depends on something else, or a broken checkpoint.
@@ -67,10 +72,12 @@ def refuse_other_run(folder: Path, depends_on: Mapping[str, Any]) -> None:
     missing = "(none)"
     for name in [*now, *(name for name in before if name not in now)]:
         old, new = before.get(name, missing), now.get(name, missing)
-        if old != new:
+        longer = name == _LENGTH and type(old) is type(new) is int and new > old
+        if old != new and (follows_length or not longer):
+            why = ", and its scheduler is as long as the run" if longer else ""
             raise InputError(
                 f"{source} was trained with {name}={_short(old)}, this run has"
-                f" {name}={_short(new)}: choose another folder with"
+                f" {name}={_short(new)}{why}: choose another folder with"
                 " paths.run=..., the same setting, or resume=false to begin again"
             )
 

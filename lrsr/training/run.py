@@ -16,6 +16,7 @@ from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import Callback, LightningDataModule, Trainer
 from lightning.pytorch.loggers import Logger
 
+from lrsr.configuration import as_whole
 from lrsr.errors import InputError
 from lrsr.files import write_json
 from lrsr.provenance import versions
@@ -32,7 +33,7 @@ _NOISE = (
 )
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES}
 
-log = logging.getLogger(__name__)
+logger = logging.getLogger(__name__)
 
 
 def train(
@@ -76,14 +77,14 @@ def train(
     logging.getLogger("lightning.pytorch").setLevel(logging.WARNING)  # it advertises
     keeper = Keeper(folder, depends_on, seed)
     if resume:
-        refuse_other_run(folder, depends_on)
+        refuse_other_run(folder, depends_on, follows_length=module.follows_length)
     else:
         forget(folder)
     last = folder / "last.ckpt" if (folder / "last.ckpt").is_file() else None
     if last is None:
         keeper.tell([])
     else:
-        log.info("going on from %s", last)
+        logger.info("going on from %s", last)
     runner = _build_trainer(folder, trainer, [*callbacks, keeper], loggers)
     _fit(runner, module, data, last)
     told = _metrics(module, runner) | {"seed": seed, "settings": dict(depends_on)}
@@ -101,13 +102,15 @@ def _build_trainer(
     """Make the Trainer that writes into ``folder``.
 
     Raises:
-        InputError: Lightning refuses a setting.
+        InputError: A setting is none, or Lightning refuses it.
     """
     given: Mapping[str, Any] = getattr(make, "keywords", {})
+    for name in {"max_epochs", "log_every_n_steps"} & given.keys():
+        as_whole(given[name], f"trainer.{name}")  # Lightning takes anything
     precision = given.get("precision", "auto")
     if precision == "auto":
         precision, why = choose_precision(given.get("accelerator", "auto"))
-        log.info("training in %s", why)
+        logger.info("training in %s", why)
     try:
         return make(
             precision=precision,

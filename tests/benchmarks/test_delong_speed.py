@@ -20,8 +20,9 @@ from numpy._core._multiarray_umath import __cpu_features__
 from pytest_benchmark.fixture import BenchmarkFixture
 from sklearn.metrics import roc_auc_score
 
-from lrsr.evaluation.delong import compare_aucs, estimate_auc, stream_auc
-from lrsr.evaluation.scores import CosineScores
+from lrsr.evaluation.delong import AucEstimate, compare_aucs, estimate_auc, estimate_auc_of
+from lrsr.evaluation.placements import Placements
+from lrsr.evaluation.scores import CosineScores, ScoreSource
 from lrsr.evaluation.summary import summarise
 
 M, N = 500, 249_500
@@ -36,6 +37,13 @@ def least_cpu_s(work: Callable[[], object], rounds: int) -> float:
         work()
         times.append(time.process_time() - start)
     return min(times)
+
+
+def stream_auc(source: ScoreSource) -> AucEstimate:
+    placements = Placements(source.genuine())
+    for tile in source.tiles():
+        placements.count(placements.classes(tile.impostors))
+    return estimate_auc_of(placements)
 
 
 def draw(kind: str, dtype: type, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:

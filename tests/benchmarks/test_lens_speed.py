@@ -11,7 +11,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.mounted_lens import mount
 
 
@@ -65,7 +65,7 @@ def test_count_the_kernels_of_all_lenses_lightings_and_standpoints(
     renderer: Studio, head: Head
 ) -> None:
     """Print how many kernels are compiled: one a number of panels, for pinholes and for lenses."""
-    start()
+    _start()
     import drjit as dr  # only now: it takes the LLVM that was chosen
 
     ask = {"ipd_px": 4.0, "samples_per_pixel": 61}  # no other test has kernels of that number

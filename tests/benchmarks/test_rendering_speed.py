@@ -13,7 +13,7 @@ from fakes.scenes import LIGHTINGS, POSES, Studio
 
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.exposure import _describe_pinhole
 from lrsr.rendering.geometry import place_camera
 
@@ -35,7 +35,7 @@ def heads() -> list[Head]:
 
 def mitsuba_render(renderer: Studio, head: Head, scale: int, samples: int) -> Callable[[], object]:
     """Return a call of ``mi.render`` with its splatting film and its default sampler."""
-    mi = start()
+    mi = _start()
     pose = POSES["frontal"]
     scene = renderer._live.show(head, LIGHTINGS["frontal"], pose)
     viewpoint = place_camera(head.pupils, 8.0)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.images import linear_to_srgb
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 
 SAMPLES = {"reflective": 512, "subsurface": 512, "volumetric_tone": 128}
 CONVERGED = 16
@@ -100,7 +100,7 @@ def test_how_far_the_two_skins_differ(head: Head, both: dict[str, Studio], light
 
 def test_count_the_kernels_of_20_heads_at_three_scales() -> None:
     """Print how many kernels are compiled for 20 people, 6 options and 3 scales."""
-    start()  # chooses the LLVM that Dr.Jit loads
+    _start()  # chooses the LLVM that Dr.Jit loads
     import drjit as dr
 
     renderer = Studio("subsurface")

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lrsr.calibration.compression import estimate_chroma, estimate_compression
+from lrsr.calibration.compression import _estimate_chroma, estimate_compression
 from lrsr.camera.codec import jpeg
 from lrsr.errors import ImageContractError, InputError
 
@@ -90,26 +90,26 @@ def test_sub_sampling_and_place_are_found(
     quality: int, chroma: str, origin: tuple[int, int]
 ) -> None:
     squeezed = jpeg(twenty(), quality, chroma=chroma, origin_px=origin)
-    found = estimate_chroma(squeezed, quality, (origin[0] % 8, origin[1] % 8))
+    found = _estimate_chroma(squeezed, quality, (origin[0] % 8, origin[1] % 8))
     assert found == (chroma, origin)
 
 
 def test_rows_of_colour_blocks_repeat_every_eight_pixels_at_half_width() -> None:
     once = jpeg(twenty(), 60, chroma="4:2:2", origin_px=(2, 5))
     again = jpeg(twenty(), 60, chroma="4:2:2", origin_px=(2, 13))
-    assert estimate_chroma(once, 60, (2, 5)) == estimate_chroma(again, 60, (2, 5))
+    assert _estimate_chroma(once, 60, (2, 5)) == _estimate_chroma(again, 60, (2, 5))
 
 
 def test_grey_pictures_lose_nothing_by_any_sub_sampling() -> None:
     grey = twenty()[:, :1].expand(-1, 3, -1, -1)
-    assert estimate_chroma(jpeg(grey, 50), 50, (0, 0))[0] == "4:4:4"
+    assert _estimate_chroma(jpeg(grey, 50), 50, (0, 0))[0] == "4:4:4"
 
 
 def test_a_quality_out_of_range_is_refused() -> None:
     with pytest.raises(InputError, match="quality=0"):
-        estimate_chroma(twenty()[:2], 0, (0, 0))
+        _estimate_chroma(twenty()[:2], 0, (0, 0))
 
 
 def test_pictures_of_one_channel_are_refused() -> None:
     with pytest.raises(ImageContractError, match="srgb"):
-        estimate_chroma(twenty()[:2][:, :1], 50, (0, 0))
+        _estimate_chroma(twenty()[:2][:, :1], 50, (0, 0))

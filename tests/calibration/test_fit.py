@@ -11,7 +11,7 @@ from lrsr.calibration import fit as fitting
 from lrsr.calibration.fit import Fit, fit_camera
 from lrsr.calibration.objective import Objective
 from lrsr.calibration.parameters import Parameter
-from lrsr.camera.processing import sharpen, tone
+from lrsr.camera.processing import _sharpen, _tone
 from lrsr.camera.smoothing import gaussian_blur
 from lrsr.errors import InputError
 
@@ -36,14 +36,14 @@ def shoot(scene: torch.Tensor, values: Mapping[str, float], seed: int) -> torch.
     """Blur, add noise, sharpen, bend; one seed for all."""
     blurred = gaussian_blur(scene, values["blur_px"])
     noise = torch.randn(scene.shape, generator=torch.Generator().manual_seed(seed))
-    sharp = sharpen(blurred + values["noise"] * noise, 1.0, values["sharpen_amount"])
-    return tone(sharp, values["contrast"]).clamp(0, 1).mul(255).round() / 255
+    sharp = _sharpen(blurred + values["noise"] * noise, 1.0, values["sharpen_amount"])
+    return _tone(sharp, values["contrast"]).clamp(0, 1).mul(255).round() / 255
 
 
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stop after the first settling: where it leads does not matter here."""
-    monkeypatch.setattr(fitting, "SETTLINGS", (1,))
+    monkeypatch.setattr(fitting, "_SETTLINGS", (1,))
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from lrsr.calibration.jpeg_files import nearest_quality, read_jpeg_settings
+from lrsr.calibration.jpeg_files import _nearest_quality, read_jpeg_settings
 from lrsr.camera.jpeg_tables import chrominance_table, luminance_table
 
 
@@ -46,7 +46,7 @@ def test_other_files_tell_nothing() -> None:
 
 
 def test_a_foreign_table_has_a_nearest_quality() -> None:
-    assert abs(nearest_quality(1.1 * luminance_table(50)) - 50) <= 5
+    assert abs(_nearest_quality(1.1 * luminance_table(50)) - 50) <= 5
 
 
 def exif(order: str, orientation: int) -> bytes:
@@ -73,7 +73,7 @@ def test_filling_bytes_before_a_marker_are_passed_over() -> None:
 def test_luminance_names_its_own_table() -> None:
     file = bytearray(encoded(90))
     start = file.index(b"\xff\xc0") + 4  # precision, sides, three of (name, factors, table)
-    chroma = nearest_quality(chrominance_table(90))
+    chroma = _nearest_quality(chrominance_table(90))
     assert file[start + 8] == 0
     file[start + 8] = 1
     assert read_jpeg_settings(bytes(file)) == (chroma, "4:2:0")

@@ -9,7 +9,7 @@ import torch
 from PIL import Image
 
 from lrsr.camera.codec import (
-    CHROMAS,
+    _CHROMAS,
     COMPRESSIONS,
     Jpeg,
     jpeg,
@@ -145,7 +145,7 @@ def test_blocks_lie_on_the_grid_of_the_frame(codec: Codec, origin_px: tuple[int,
         assert {int(edge + place) % 8 for edge in edges} == {0}
 
 
-@pytest.mark.parametrize("chroma", CHROMAS)
+@pytest.mark.parametrize("chroma", _CHROMAS)
 def test_chroma_is_sampled_as_pillow_samples_it(chroma: str) -> None:
     image = smooth(1, 32, 48)
     file = io.BytesIO()
@@ -157,11 +157,11 @@ def test_chroma_is_sampled_as_pillow_samples_it(chroma: str) -> None:
 
 def test_fewer_samples_of_colour_lose_more() -> None:
     images = smooth(4, 48, 48)
-    loss = [psnr_db(jpeg(images, 75, chroma=chroma), images) for chroma in CHROMAS]
+    loss = [psnr_db(jpeg(images, 75, chroma=chroma), images) for chroma in _CHROMAS]
     assert loss == sorted(loss, reverse=True)
 
 
-@pytest.mark.parametrize("chroma", CHROMAS)
+@pytest.mark.parametrize("chroma", _CHROMAS)
 def test_the_stand_in_has_the_same_sampling(chroma: str) -> None:
     # Colours as detailed as luminance: with another sampling it would be 27 to 32 dB away.
     images = smooth(16, 48, 48)
@@ -183,7 +183,7 @@ def test_a_file_is_what_its_last_frame_becomes_however_often_it_is_compressed() 
 def test_settings_of_a_file_out_of_range_are_refused() -> None:
     with pytest.raises(InputError, match=r"qualities=\[\]: wanted at least one"):
         Jpeg([])
-    with pytest.raises(InputError, match="quality=0: wanted 1 to 100"):
+    with pytest.raises(InputError, match="qualities=0: wanted 1 to 100"):
         Jpeg([50, 0])
     with pytest.raises(InputError, match="chroma=4:1:1: wanted one of 4:4:4"):
         Jpeg(50, "4:1:1")

@@ -6,7 +6,7 @@ import pytest
 import torch
 from torch.autograd import gradcheck
 
-from lrsr.camera.colour import IDENTITY, Colour, mix
+from lrsr.camera.colour import _IDENTITY, Colour, _mix
 from lrsr.errors import ImageContractError, InputError
 
 OVERLAP = ((0.45, 0.12, 0.02), (0.15, 0.75, 0.10), (0.03, 0.15, 0.50))
@@ -22,7 +22,7 @@ def pixel(*rgb: float) -> torch.Tensor:
 
 def test_a_matrix_mixes_as_einsum_does() -> None:
     wanted = torch.einsum("dc,bchw->bdhw", torch.tensor(OVERLAP), light())
-    assert torch.allclose(mix(light(), OVERLAP), wanted)
+    assert torch.allclose(_mix(light(), OVERLAP), wanted)
 
 
 def test_colours_come_back_when_the_matrix_fits_the_filters() -> None:
@@ -40,7 +40,7 @@ def test_a_cast_tints_grey_by_its_gains() -> None:
 
 
 def test_gains_and_matrix_that_are_given_are_used_as_they_are() -> None:
-    colour = Colour(OVERLAP, cast=(9, 9, 9), white_balance=(2, 1, 1), matrix=IDENTITY)
+    colour = Colour(OVERLAP, cast=(9, 9, 9), white_balance=(2, 1, 1), matrix=_IDENTITY)
     assert colour(pixel(0.2, 0.3, 0.4)).flatten().tolist() == pytest.approx([0.4, 0.3, 0.4])
 
 
@@ -86,6 +86,6 @@ def test_settings_out_of_range_are_refused(what: dict[str, Any], message: str) -
 
 
 def test_broken_light_is_refused() -> None:
-    for function in (Colour(), Colour().filter, lambda x: mix(x, IDENTITY)):
+    for function in (Colour(), Colour().filter, lambda x: _mix(x, _IDENTITY)):
         with pytest.raises(ImageContractError, match="got shape"):
             function(torch.zeros(1, 1, 2, 2))

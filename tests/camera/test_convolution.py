@@ -47,7 +47,7 @@ def test_one_pixel_stays_as_it_is() -> None:
 def test_the_cut_into_chunks_shows_nowhere(monkeypatch: pytest.MonkeyPatch) -> None:
     images, weights = torch.rand(5, 3, 4, 4, generator=RANDOM).double(), kernels(5, 3)
     whole = convolve(images, weights)
-    monkeypatch.setattr(convolution, "CHUNK", 2)
+    monkeypatch.setattr(convolution, "_CHUNK", 2)
     assert torch.allclose(convolve(images, weights), whole)
 
 

@@ -7,9 +7,9 @@ import torch
 from scipy import special
 
 from lrsr.camera.diffraction import (
+    _diffraction_transfer,
     airy_kernel,
     diffraction_length_um,
-    diffraction_transfer,
     numerical_aperture,
 )
 from lrsr.errors import InputError
@@ -67,7 +67,7 @@ def test_narrower_stops_and_longer_waves_spread_the_light() -> None:
 def test_the_transfer_is_the_energys_spectrum() -> None:
     # Total of the transfer over the plane = the Airy disk's peak: π/4 for one unit of light.
     frequency = torch.linspace(0, 1, 4001, dtype=torch.float64)
-    peak = torch.trapezoid(diffraction_transfer(frequency) * 2 * math.pi * frequency, frequency)
+    peak = torch.trapezoid(_diffraction_transfer(frequency) * 2 * math.pi * frequency, frequency)
     assert float(peak) == pytest.approx(math.pi / 4, rel=1e-4)
 
 

@@ -25,13 +25,13 @@ from lrsr.camera.exposure import expose
 from lrsr.camera.image_plane import turn
 from lrsr.camera.mosaic import Mosaic
 from lrsr.camera.optics import Optics, bin_pixels
-from lrsr.camera.processing import Processing, luminance, sharpen, tone
+from lrsr.camera.processing import Processing, _sharpen, _tone, luminance
 from lrsr.camera.pupil import pupil_kernel
 from lrsr.camera.resampling import sample_bicubic
 from lrsr.camera.sensor import Sensor
 from lrsr.camera.smoothing import bilateral_blur, gaussian_blur
 from lrsr.camera.soft_jpeg import SHARING, soft_jpeg
-from lrsr.camera.vignetting import mechanical_vignetting, natural_vignetting
+from lrsr.camera.vignetting import _mechanical_vignetting, natural_vignetting
 from lrsr.images import linear_to_srgb
 
 pytestmark = pytest.mark.usefixtures("one_thread")
@@ -65,7 +65,7 @@ STAGES: dict[str, tuple[Stage, tuple[torch.Tensor, ...]]] = {
     "to the sensor": (BARREL.to_sensor, (PLACES, draw(2, seed=1))),
     "cos⁴": (lambda p: natural_vignetting(p, BARREL), (PLACES,)),
     "rim": (
-        lambda p: mechanical_vignetting(
+        lambda p: _mechanical_vignetting(
             p, BARREL, pupil_radius_mm=1.0, rim_radius_mm=1.1, rim_distance_mm=2.0
         ),
         (PLACES,),
@@ -74,10 +74,10 @@ STAGES: dict[str, tuple[Stage, tuple[torch.Tensor, ...]]] = {
     "colour": (lambda x: Colour(FILTERS)(Colour(FILTERS).filter(x)), (IMAGE,)),
     "gaussian": (lambda x: gaussian_blur(x, 1.2), (PLANE,)),
     "bilateral": (lambda x: bilateral_blur(x, 1.2, 0.3), (PLANE,)),
-    "sharpening": (lambda x: sharpen(x, 1.0, 0.7), (PLANE,)),
+    "sharpening": (lambda x: _sharpen(x, 1.0, 0.7), (PLANE,)),
     "luminance": (luminance, (IMAGE,)),
-    "tone, s": (lambda x: tone(x, 1.8, 0.4), (PLANE,)),
-    "tone, straight": (lambda x: tone(x, 0.7, 0.4), (PLANE,)),
+    "tone, s": (lambda x: _tone(x, 1.8, 0.4), (PLANE,)),
+    "tone, straight": (lambda x: _tone(x, 0.7, 0.4), (PLANE,)),
     "sRGB": (linear_to_srgb, (draw(3, 5, low=0.004),)),
     "sRGB near black": (linear_to_srgb, (draw(7, low=1e-4, high=3e-3),)),
     "processing": (

@@ -5,7 +5,7 @@ import math
 import pytest
 import torch
 
-from lrsr.camera.processing import Processing, luminance, sharpen, tone
+from lrsr.camera.processing import Processing, _sharpen, _tone, luminance
 from lrsr.errors import ImageContractError, InputError
 from lrsr.images import linear_to_srgb
 
@@ -40,30 +40,30 @@ def test_the_halo_of_an_unsharp_mask_is_as_high_as_the_formula_says() -> None:
     sigma_px, amount = 1.5, 0.8
     weights = [math.exp(-0.5 * (i / sigma_px) ** 2) for i in range(-5, 6)]
     halo = amount * 0.4 * sum(weights[6:]) / sum(weights)
-    row = sharpen(step(), sigma_px, amount)[0, 0, 10]
+    row = _sharpen(step(), sigma_px, amount)[0, 0, 10]
     assert float(row[9]) == pytest.approx(0.3 - halo, abs=1e-5)
     assert float(row[10]) == pytest.approx(0.7 + halo, abs=1e-5)
     assert float(row[2]) == pytest.approx(0.3, abs=1e-6)
 
 
 def test_sharpening_keeps_the_mean() -> None:
-    assert float(sharpen(step(), 1.0, 2.0).mean()) == pytest.approx(float(step().mean()), abs=1e-6)
+    assert float(_sharpen(step(), 1.0, 2.0).mean()) == pytest.approx(float(step().mean()), abs=1e-6)
 
 
 def test_contrast_has_its_slope_at_the_pivot_and_leaves_black_and_white() -> None:
     levels = torch.tensor([0.0, 0.399, 0.401, 1.0], dtype=torch.float64)
-    black, low, high, white = tone(levels, 1.8, pivot=0.4).tolist()
+    black, low, high, white = _tone(levels, 1.8, pivot=0.4).tolist()
     assert (black, white) == pytest.approx((0.0, 1.0))
     assert (high - low) / 0.002 == pytest.approx(1.8, rel=0.01)
 
 
 def test_little_contrast_makes_black_and_white_grey() -> None:
-    assert tone(torch.tensor([0.0, 0.5, 1.0]), 0.6).tolist() == pytest.approx([0.2, 0.5, 0.8])
+    assert _tone(torch.tensor([0.0, 0.5, 1.0]), 0.6).tolist() == pytest.approx([0.2, 0.5, 0.8])
 
 
 @pytest.mark.parametrize("contrast", [0.5, 1.0, 2.5])
 def test_tone_keeps_the_order_of_levels(contrast: float) -> None:
-    assert bool((tone(torch.linspace(0, 1, 101), contrast, 0.3).diff() > 0).all())
+    assert bool((_tone(torch.linspace(0, 1, 101), contrast, 0.3).diff() > 0).all())
 
 
 def test_no_saturation_is_grey_and_keeps_the_luminance() -> None:
@@ -93,7 +93,7 @@ def test_no_image_sees_the_others_of_its_batch() -> None:
 
 def test_contrast_has_a_gradient_at_the_pivot_itself() -> None:
     level = torch.tensor([0.5], requires_grad=True)
-    tone(level, 2.0).backward()
+    _tone(level, 2.0).backward()
     assert level.grad is not None
     assert level.grad.tolist() == [2.0]
 
@@ -122,6 +122,6 @@ def test_broken_light_is_refused() -> None:
         with pytest.raises(ImageContractError, match="got shape"):
             function(torch.zeros(1, 1, 4, 4))
     with pytest.raises(ImageContractError, match="got shape"):
-        sharpen(torch.zeros(4, 4), 1.0, 1.0)
+        _sharpen(torch.zeros(4, 4), 1.0, 1.0)
     with pytest.raises(InputError, match="sigma_px=-1"):
-        sharpen(step(), -1.0, 1.0)
+        _sharpen(step(), -1.0, 1.0)

@@ -7,7 +7,7 @@ import torch
 
 from lrsr.camera.aberrations import Seidel, defocus_waves
 from lrsr.camera.diffraction import airy_kernel
-from lrsr.camera.pupil import pupil_kernel, pupil_transmission
+from lrsr.camera.pupil import _pupil_transmission, pupil_kernel
 from lrsr.errors import InputError
 
 AXIS = torch.zeros(1, 2, dtype=torch.float64)
@@ -78,8 +78,8 @@ def test_astigmatism_smears_along_the_field_where_the_other_focus_lies() -> None
 
 
 def test_the_pupils_area_is_a_circles() -> None:
-    assert float(pupil_transmission(48).sum() / 48**2) == pytest.approx(math.pi / 4, rel=1e-3)
-    assert pupil_transmission(1).tolist() == [[1.0]]
+    assert float(_pupil_transmission(48).sum() / 48**2) == pytest.approx(math.pi / 4, rel=1e-3)
+    assert _pupil_transmission(1).tolist() == [[1.0]]
 
 
 def test_impossible_pixels_are_refused() -> None:

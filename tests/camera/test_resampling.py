@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from lrsr.camera.image_plane import pixel_grid
-from lrsr.camera.resampling import cubic_weights, sample_bicubic
+from lrsr.camera.resampling import _cubic_weights, sample_bicubic
 from lrsr.images import resize_bicubic
 
 RANDOM = torch.Generator().manual_seed(0)
@@ -62,5 +62,5 @@ def test_one_pixel_is_seen_everywhere() -> None:
 
 
 def test_weights_sum_to_one() -> None:
-    weights = torch.stack(cubic_weights(torch.linspace(0, 0.999, 11)))
+    weights = torch.stack(_cubic_weights(torch.linspace(0, 0.999, 11)))
     assert torch.allclose(weights.sum(0), torch.ones(11))

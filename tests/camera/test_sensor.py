@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lrsr.camera.sensor import PATTERN_PX, Sensor, noise_generator
+from lrsr.camera.sensor import _PATTERN_PX, Sensor, _noise_generator
 from lrsr.errors import ImageContractError, InputError
 
 
@@ -64,7 +64,7 @@ def test_a_crop_has_the_photosites_of_its_place() -> None:
     whole = sensor(flat(0.5, side=40))
     crop = sensor(flat(0.5, side=8), origin_px=(5, 12))
     assert torch.equal(crop, whole[..., 12:20, 5:13])
-    assert torch.equal(crop, sensor(flat(0.5, side=8), origin_px=(5 + PATTERN_PX, 12)))
+    assert torch.equal(crop, sensor(flat(0.5, side=8), origin_px=(5 + _PATTERN_PX, 12)))
 
 
 def test_noise_depends_on_the_seed_and_not_on_the_batch() -> None:
@@ -83,7 +83,7 @@ def test_each_frame_has_noise_of_its_own() -> None:
 
 
 def test_seeds_that_share_their_low_bits_differ() -> None:
-    drawn = [torch.rand(1, generator=noise_generator(seed)) for seed in (1, 1 + 2**32)]
+    drawn = [torch.rand(1, generator=_noise_generator(seed)) for seed in (1, 1 + 2**32)]
     assert not torch.equal(*drawn)
 
 

@@ -7,13 +7,13 @@ from kornia.color import rgb_to_ycbcr
 from kornia.enhance import jpeg_codec_differentiable
 from scipy.fft import dctn
 
-from lrsr.camera.codec import CHROMAS, jpeg
+from lrsr.camera.codec import _CHROMAS, jpeg
 from lrsr.camera.soft_jpeg import (
     SHARING,
+    _soft_round,
+    _through_blocks,
     cosine_transform,
     soft_jpeg,
-    soft_round,
-    through_blocks,
 )
 from lrsr.errors import ImageContractError, InputError
 from lrsr.images import linear_to_srgb
@@ -53,7 +53,7 @@ def test_it_is_near_the_real_codec_for_every_sampling(
 
 
 def test_samplings_are_those_of_the_real_codec() -> None:
-    assert list(SHARING) == list(CHROMAS)
+    assert list(SHARING) == list(_CHROMAS)
 
 
 def test_every_size_keeps_its_shape_and_a_flat_picture_its_level() -> None:
@@ -70,7 +70,7 @@ def test_a_coefficient_is_rounded_to_a_multiple_of_its_step() -> None:
     # in steps of 20 2.828, softly 3 - 0.172³.
     places = (2 * torch.arange(8, dtype=torch.float64) + 1) * torch.pi / 16
     wave = 10 * torch.cos(2 * places).expand(1, 1, 8, 8)
-    kept = through_blocks(wave, torch.full((8, 8), 20.0))
+    kept = _through_blocks(wave, torch.full((8, 8), 20.0))
     coefficient = 8**0.5
     wanted = 3 + (coefficient - 3) ** 3
     assert torch.allclose(kept, wave * wanted / coefficient)
@@ -78,7 +78,7 @@ def test_a_coefficient_is_rounded_to_a_multiple_of_its_step() -> None:
 
 def test_soft_rounding_follows_the_papers_cubic() -> None:
     numbers = torch.tensor([-3.0, 0.4, 0.6, 2.75], dtype=torch.float64, requires_grad=True)
-    rounded = soft_round(numbers)
+    rounded = _soft_round(numbers)
     assert rounded.tolist() == pytest.approx([-3.0, 0.064, 0.936, 2.984375])
     rounded.sum().backward()
     assert numbers.grad is not None

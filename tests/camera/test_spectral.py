@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 import torch
 
-from lrsr.camera.spectral import SpectralColour, needed, observe, weigh
+from lrsr.camera.spectral import SpectralColour, _weigh, needed, observe
 from lrsr.errors import ImageContractError, InputError
-from lrsr.spectra import Spectrum, average, band_edges, daylight, observer, srgb_weights
+from lrsr.spectra import Spectrum, _observer, average, band_edges, daylight, srgb_weights
 
 EDGES = band_edges(35)
 NM = np.arange(380.0, 731.0)
 LAMP = average(NM, (560 / NM)[None] ** 5 / np.expm1(1.4388e7 / (2848 * NM)), EDGES)[0]
-LAMP /= observer(EDGES)[1] @ LAMP
+LAMP /= _observer(EDGES)[1] @ LAMP
 WHITES = tuple(tuple(light.tolist()) for light in (daylight(EDGES), LAMP))
 BOTH = Spectrum(EDGES, WHITES)
 
@@ -100,11 +100,11 @@ def test_an_observer_sees_daylight_white_or_what_he_is_adapted_to() -> None:
 
 def test_each_image_is_weighed_by_its_own_matrix() -> None:
     channels = torch.arange(8.0).reshape(2, 2, 1, 2)
-    mixed = weigh(channels, [np.eye(2), np.array([[0.0, 2.0]]).repeat(2, axis=0)])
+    mixed = _weigh(channels, [np.eye(2), np.array([[0.0, 2.0]]).repeat(2, axis=0)])
     assert torch.equal(mixed[0], channels[0])
     assert mixed[1].tolist() == [[[12.0, 14.0]]] * 2
     with pytest.raises(ImageContractError, match=r"bands: got shape \(2, 2, 1, 2\), wanted"):
-        weigh(channels, [np.eye(3)] * 2)
+        _weigh(channels, [np.eye(3)] * 2)
 
 
 def test_three_colours_are_refused_with_the_remedy() -> None:

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from lrsr.camera.codec import jpeg_differentiable
-from lrsr.camera.video import STAND_IN, Video, play
+from lrsr.camera.video import _STAND_IN, Video, _play
 from lrsr.errors import ImageContractError, InputError
 from lrsr.images import linear_to_srgb, resize_bicubic
 
@@ -32,13 +32,13 @@ def psnr_db(a: torch.Tensor, b: torch.Tensor) -> float:
 
 def test_the_last_frame_of_h264_is_predicted_and_small() -> None:
     recording = Video("h264", frames=3).record(as_bytes(recordings(1)[:, 0]))
-    assert [kind for _, kind in play(recording, "h264")] == ["I", "P", "P"]
+    assert [kind for _, kind in _play(recording, "h264")] == ["I", "P", "P"]
     assert len(recording[2]) < 0.5 * len(recording[0])
 
 
 def test_every_frame_of_motion_jpeg_stands_alone() -> None:
     recording = Video("mjpeg", crf=8).record(as_bytes(recordings(1)[:, 0]))
-    assert [kind for _, kind in play(recording, "mjpeg")] == ["I", "I", "I"]
+    assert [kind for _, kind in _play(recording, "mjpeg")] == ["I", "I", "I"]
 
 
 @pytest.mark.parametrize(("codec", "crf"), [("h264", 28), ("mjpeg", 8)])
@@ -101,7 +101,7 @@ def test_the_stand_in_is_a_jpeg_of_the_codecs_sampling(codec: str, chroma: str) 
 
 
 @pytest.mark.parametrize(
-    ("codec", "crf"), [(codec, crf) for codec, table in STAND_IN.items() for crf in table]
+    ("codec", "crf"), [(codec, crf) for codec, table in _STAND_IN.items() for crf in table]
 )
 def test_the_stand_in_loses_as_much_of_faces_and_is_as_far_as_it_says(
     faces: torch.Tensor, codec: str, crf: int

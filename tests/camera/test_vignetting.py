@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from lrsr.camera.distortion import Distortion
-from lrsr.camera.vignetting import Vignetting, mechanical_vignetting, natural_vignetting
+from lrsr.camera.vignetting import Vignetting, _mechanical_vignetting, natural_vignetting
 from lrsr.errors import InputError
 
 PINHOLE = Distortion(focal_mm=3.0)
@@ -15,7 +15,7 @@ PLACES = torch.stack([RADII * 0.8, -RADII * 0.6], dim=-1)
 
 
 def rim(places: torch.Tensor, radius_mm: float = 1.2, distance_mm: float = 2.0) -> torch.Tensor:
-    return mechanical_vignetting(
+    return _mechanical_vignetting(
         places,
         PINHOLE,
         pupil_radius_mm=1.0,
@@ -72,14 +72,14 @@ def test_no_place_is_brighter_than_the_axis_without_distortion() -> None:
 def test_a_rim_without_size_is_refused(name: str) -> None:
     lengths = {"pupil_radius_mm": 1.0, "rim_radius_mm": 1.0, "rim_distance_mm": 1.0, name: 0.0}
     with pytest.raises(InputError, match=f"{name} 0"):
-        mechanical_vignetting(PLACES, PINHOLE, **lengths)
+        _mechanical_vignetting(PLACES, PINHOLE, **lengths)
 
 
 def test_each_image_gets_the_light_of_its_place() -> None:
     fields = torch.tensor([[0.0, 0.0], [1.5, 2.0]])
     rim = {"pupil_radius_mm": 1.0, "rim_radius_mm": 1.2, "rim_distance_mm": 2.0}
     dark = Vignetting(PINHOLE, natural=True, **rim).darken(torch.ones(2, 3, 5, 5), fields, 1e-4)
-    alone = natural_vignetting(fields, PINHOLE) * mechanical_vignetting(fields, PINHOLE, **rim)
+    alone = natural_vignetting(fields, PINHOLE) * _mechanical_vignetting(fields, PINHOLE, **rim)
     assert torch.allclose(dark[:, :, 2, 2], alone.expand(2, 3))
     assert bool((dark[1, :, 0, 0] > dark[1, :, 4, 4]).all())
 

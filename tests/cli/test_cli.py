@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from lrsr.cli import COMMANDS, main
+from lrsr.cli import _COMMANDS, main
 from lrsr.errors import InputError
 
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--help"]) == 0
     page = capsys.readouterr().out
-    assert all(f"\n  {name} " in page for name in COMMANDS)
+    assert all(f"\n  {name} " in page for name in _COMMANDS)
 
 
 def test_no_word_at_all_is_help(capsys: pytest.CaptureFixture[str]) -> None:

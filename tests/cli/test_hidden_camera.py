@@ -10,7 +10,7 @@ import pytest
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from lrsr.calibration.parameters import NAMES, lens_blur_px
+from lrsr.calibration.parameters import PARAMETERS, lens_blur_px
 from lrsr.cli import main
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(7200)]
@@ -65,7 +65,7 @@ def test_a_hidden_camera_is_recovered_from_50_pictures(
     folder = Path(capsys.readouterr().out.strip().splitlines()[-1])
     found = json.loads((folder / "results.json").read_text())
     true = OmegaConf.load(tmp_path / "pictures" / "config.yaml").camera
-    values = {name: found["values"][name]["value"] for name in NAMES}
+    values = {name: found["values"][name]["value"] for name in (one.name for one in PARAMETERS)}
     read_noise = true.sensor.read_noise_e * true.sensor.gain / true.sensor.full_well_e
     assert found["jpeg"]["qualities"] == pytest.approx(true.stored.qualities, abs=5)
     assert [place % 16 for place in found["origin_px"]] == true.origin_px

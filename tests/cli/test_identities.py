@@ -22,7 +22,7 @@ def maker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> TwinMaker:
     painted = TwinMaker()
     monkeypatch.setenv("LRSR_CACHE", str(tmp_path / "cache"))
     for module in ("lrsr.experiments.people", "lrsr.pictures.to_folder"):
-        monkeypatch.setattr(f"{module}.mitsuba_maker", lambda: painted)
+        monkeypatch.setattr(f"{module}.MitsubaMaker", lambda: painted)
     (tmp_path / "empty").mkdir()
     monkeypatch.chdir(tmp_path / "empty")
     return painted

@@ -15,11 +15,16 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background
 from pathlib import Path
 from lrsr import cli
 from lrsr.configuration import run_folder
+from lrsr.errors import InputError
 from lrsr.files import make_folder, write_text
 
 def task(config):
     if config.name == "out":
         return make_folder(Path("größe"))
+    if config.name == "wrong":
+        raise InputError(f"name=wrong: seed {config.seed} is refused")
+    if config.name == "broken":
+        raise ValueError(f"seed {config.seed}")
     with run_folder(config) as folder:
         write_text(folder / "results.json", "whole")
         if config.name == "wait":
@@ -105,6 +110,31 @@ def test_a_multirun_leaves_nothing_but_its_runs(tmp_path: Path) -> None:
     assert {path.name for path in (tmp_path / "runs").iterdir()} == {"eval"}
     assert run("-m seed=0,1 paths.run=x", tmp_path)[0] == 0
     assert {path.name for path in (tmp_path / "x").iterdir()} == {"0", "1"}
+
+
+@pytest.mark.parametrize(
+    ("names", "status", "told"),
+    [
+        ("wrong,out", 2, ["job 0 (name=wrong seed=0): name=wrong: seed 0 is refused"]),
+        (
+            "wrong,out,broken",
+            1,
+            [
+                "job 0 (name=wrong seed=0): name=wrong: seed 0 is refused",
+                "job 2 (name=broken seed=0): a fault of ours: ValueError: seed 0 (the same command"
+                " with --debug shows where)",
+            ],
+        ),
+    ],
+    ids=["one", "two"],
+)
+def test_every_failure_of_a_multirun_is_told(
+    names: str, status: int, told: list[str], tmp_path: Path
+) -> None:
+    ended, out, err = run(f"-m name={names} seed=0", tmp_path)
+    assert (ended, len(out.splitlines())) == (status, 1)
+    lines = [line for line in err.decode().splitlines() if line.startswith("lrsr: ")]
+    assert lines == [f"lrsr: {line}" for line in told]
 
 
 @pytest.mark.parametrize(

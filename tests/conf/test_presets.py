@@ -10,7 +10,7 @@ import pytest
 from lrsr.identities.face.expression import Expression
 from lrsr.paths import config_folder
 from lrsr.presets import preset
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.lens import Lens, biconvex
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light, Panel
@@ -137,6 +137,6 @@ def test_a_lamp_is_there_to_be_changed() -> None:
 
 def test_a_map_is_a_file(tmp_path: Path) -> None:
     room_map = tmp_path / "room.exr"
-    start().Bitmap(np.ones((4, 8, 3), np.float32)).write(str(room_map))
+    _start().Bitmap(np.ones((4, 8, 3), np.float32)).write(str(room_map))
     lighting = preset("lighting", "map", map=str(room_map), map_deg=90)
     assert lighting == Lighting("map", (), 1.0, map=str(room_map), map_deg=90.0)

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from fakes.measures import d_prime, fnmr_at_fmr, trace_roc
 
 from lrsr.errors import ImageContractError, ScoreError
 from lrsr.evaluation.arrays import check_scores, plain_array
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
-from lrsr.evaluation.rates import d_prime, fnmr_at_fmr
-from lrsr.evaluation.roc import trace_roc
 from lrsr.evaluation.scores import Scores
 
 GENUINE, IMPOSTOR = np.array([2.0, 3, 1, 5]), np.array([0.0, 1, 2, 0, 3])

@@ -17,13 +17,12 @@ from sklearn.metrics import roc_auc_score
 from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import (
     DifferenceSums,
-    auc_interval,
+    _auc_interval,
     compare_aucs,
     estimate_auc,
     estimate_auc_of,
     measure_auc,
     normal_quantile,
-    stream_auc,
 )
 from lrsr.evaluation.placements import BLOCK, Placements, place
 from lrsr.evaluation.scores import CosineScores, Scores
@@ -260,13 +259,17 @@ def test_p_is_even_where_the_methods_are_equal() -> None:
 def test_streamed_scores_have_the_area_of_stored_ones(
     tile: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lrsr.evaluation.scores.TILE", tile)
+    monkeypatch.setattr("lrsr.evaluation.scores._TILE", tile)
     faces = np.random.default_rng(0).integers(-3, 4, (30, 8)).astype(np.float32)
     other = faces + np.random.default_rng(1).integers(-3, 4, (30, 8)).astype(np.float32)
     ids = [str(k) for k in range(30)]
     scores = Scores(np.float64(faces) @ np.float64(other).T, ids, ids)
     wanted = estimate_auc(scores.genuine(), scores.impostor())
-    assert stream_auc(CosineScores(faces, other, ids, ids)) == wanted == stream_auc(scores)
+    for source in (CosineScores(faces, other, ids, ids), scores):
+        placements = Placements(source.genuine())
+        for tile in source.tiles():
+            placements.count(placements.classes(tile.impostors))
+        assert estimate_auc_of(placements) == wanted
 
 
 # Edges.
@@ -295,14 +298,14 @@ def test_a_wald_interval_beyond_one_is_cut_and_flagged() -> None:
 
 
 def test_logit_interval_is_the_wald_interval_of_the_log_odds() -> None:
-    estimate = auc_interval(0.9, 0.03, 10, 20)
+    estimate = _auc_interval(0.9, 0.03, 10, 20)
     half = 1.959963984540054 * 0.03 / (0.9 * 0.1)
     assert estimate.logit_low == pytest.approx(1 / (1 + math.exp(-math.log(9) + half)), rel=1e-14)
     assert estimate.logit_high == pytest.approx(1 / (1 + math.exp(-math.log(9) - half)), rel=1e-14)
 
 
 def test_logit_interval_of_a_low_area_mirrors_that_of_a_high_one() -> None:
-    low, high = auc_interval(0.1, 0.03, 2, 2), auc_interval(0.9, 0.03, 2, 2)
+    low, high = _auc_interval(0.1, 0.03, 2, 2), _auc_interval(0.9, 0.03, 2, 2)
     assert low.logit_low is not None
     assert low.logit_low == pytest.approx(1 - (high.logit_high or 0), rel=1e-13)
 
@@ -362,7 +365,7 @@ def test_a_level_outside_zero_to_one_is_refused(level: float) -> None:
     with pytest.raises(ScoreError, match="confidence level"):
         compare_aucs([1, 2], [0, 1], [1, 2], [0, 1], level)
     with pytest.raises(ScoreError, match="confidence level"):
-        auc_interval(0.5, 0.1, 2, 2, level)
+        _auc_interval(0.5, 0.1, 2, 2, level)
 
 
 def test_unpaired_scores_are_refused() -> None:

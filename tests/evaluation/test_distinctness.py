@@ -11,11 +11,11 @@ from lrsr.evaluation.distinctness import (
     Distinct,
     Drawn,
     Pair,
+    _unit_rows,
     closest_pairs,
     draw_distinct,
     pairwise_angles_deg,
     summarise,
-    unit_rows,
 )
 
 NOBODY = [np.nan, np.nan, np.nan]
@@ -103,7 +103,7 @@ def test_a_person_is_at_no_angle_from_himself() -> None:
 
 def test_unit_rows_have_length_one_and_keep_their_direction() -> None:
     rows = np.array([[3.0, 4.0], [0.0, -0.5]], dtype=np.float32)
-    assert unit_rows(rows).tolist() == [[0.6, 0.8], [0.0, -1.0]]
+    assert _unit_rows(rows).tolist() == [[0.6, 0.8], [0.0, -1.0]]
 
 
 @pytest.mark.parametrize("count", [0, 1, 10, 10**6])

@@ -8,7 +8,7 @@ from skimage.color import rgb2ycbcr
 from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.errors import ImageContractError
-from lrsr.evaluation.quality import luminance, psnr_y
+from lrsr.evaluation.quality import _luminance, psnr_y
 
 
 def pair(height: int = 24, width: int = 31, batch: int = 2) -> tuple[np.ndarray, np.ndarray]:
@@ -20,7 +20,7 @@ def pair(height: int = 24, width: int = 31, batch: int = 2) -> tuple[np.ndarray,
 def test_luminance_agrees_with_scikit_image() -> None:
     a, _ = pair()
     wanted = rgb2ycbcr(np.moveaxis(a, 1, -1).astype(np.float64))[..., 0] / 255
-    assert luminance(a) == pytest.approx(wanted, abs=1e-12)
+    assert _luminance(a) == pytest.approx(wanted, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def test_luminance_agrees_with_scikit_image() -> None:
     ],
 )
 def test_luminance_is_studio_range(colour: tuple[int, int, int], wanted: float) -> None:
-    assert luminance(np.reshape(np.float64(colour), (3, 1, 1))).item() * 255 == pytest.approx(
+    assert _luminance(np.reshape(np.float64(colour), (3, 1, 1))).item() * 255 == pytest.approx(
         wanted
     )
 
@@ -44,7 +44,7 @@ def test_psnr_agrees_with_scikit_image(shave: int) -> None:
     a, b = pair()
     inside = (slice(shave, 24 - shave), slice(shave, 31 - shave))
     wanted = [
-        peak_signal_noise_ratio(luminance(x)[inside], luminance(y)[inside], data_range=1)
+        peak_signal_noise_ratio(_luminance(x)[inside], _luminance(y)[inside], data_range=1)
         for x, y in zip(a, b, strict=True)
     ]
     assert psnr_y(a, b, shave) == pytest.approx(wanted, rel=1e-12)
@@ -106,7 +106,7 @@ def test_images_that_cannot_be_compared_are_refused(
 
 def test_an_image_with_a_nan_is_refused() -> None:
     with pytest.raises(ImageContractError, match="NaN"):
-        luminance(np.full((3, 2, 2), np.nan))
+        _luminance(np.full((3, 2, 2), np.nan))
 
 
 A = np.random.default_rng(1).random((3, 12, 12))
@@ -154,4 +154,4 @@ def test_images_of_any_origin_are_measured(image: ArrayLike, tolerance: float) -
 
 
 def test_what_float32_leaves_beyond_white_is_no_other_range() -> None:
-    assert np.isfinite(luminance(np.full((3, 2, 2), 1 + 2e-7))).all()
+    assert np.isfinite(_luminance(np.full((3, 2, 2), 1 + 2e-7))).all()

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from fakes.measures import d_prime, fnmr_at_fmr, trace_roc
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
@@ -17,11 +18,8 @@ from scipy.special import ndtr, ndtri
 from lrsr.errors import ScoreError
 from lrsr.evaluation.rates import (
     Rates,
-    d_prime,
     equal_error_rate,
-    fnmr_at_fmr,
 )
-from lrsr.evaluation.roc import trace_roc
 from lrsr.evaluation.scores import Scores
 
 NAN = float("nan")

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from fakes.measures import trace_roc
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
@@ -17,7 +18,6 @@ from lrsr.evaluation.placements import Placements
 from lrsr.evaluation.roc import (
     RocCurve,
     band,
-    trace_roc,
     trace_roc_of,
     wilson_interval,
 )

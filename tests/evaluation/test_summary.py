@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fakes.measures import d_prime, fnmr_at_fmr, trace_roc
 from oracles import auc as oracle
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.delong import auc_interval, compare_aucs, estimate_auc, measure_auc
-from lrsr.evaluation.rates import d_prime, equal_error_rate, fnmr_at_fmr
-from lrsr.evaluation.roc import trace_roc
+from lrsr.evaluation.delong import _auc_interval, compare_aucs, estimate_auc, measure_auc
+from lrsr.evaluation.rates import equal_error_rate
 from lrsr.evaluation.scores import CosineScores, Scores
 from lrsr.evaluation.summary import Summary, summarise
 
@@ -85,7 +85,7 @@ def check(summary: Summary, scores: Scores) -> None:
     assert (summary.area.logit_low, summary.area.logit_high) == (area.logit_low, area.logit_high)
     assert (summary.area.n_genuine, summary.area.n_impostor) == (genuine.size, impostor.size)
     std = leave_out_std(scores)
-    interval = auc_interval(area.auc, std, genuine.size, impostor.size)
+    interval = _auc_interval(area.auc, std, genuine.size, impostor.size)
     assert summary.area.subject_std == pytest.approx(std, rel=1e-12)
     assert summary.area.subject_low == pytest.approx(interval.low, rel=1e-12)
     assert summary.area.subject_high == pytest.approx(interval.high, rel=1e-12)
@@ -139,7 +139,7 @@ def test_streamed_and_stored_scores_measure_the_same(
     images: int, tile: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     streamed, stored = sources(images)
-    monkeypatch.setattr("lrsr.evaluation.scores.TILE", tile)
+    monkeypatch.setattr("lrsr.evaluation.scores._TILE", tile)
     check(summarise({"a": streamed}).summaries["a"], stored)
     check(summarise({"a": stored}).summaries["a"], stored)
 
@@ -148,7 +148,7 @@ def test_streamed_and_stored_scores_measure_the_same(
 def test_streamed_and_stored_methods_compare_the_same(
     tile: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lrsr.evaluation.scores.TILE", tile)
+    monkeypatch.setattr("lrsr.evaluation.scores._TILE", tile)
     (a, stored_a), (b, stored_b) = sources(seed=1), sources(seed=3)
     streamed = summarise({"b": b, "a": a}).comparisons["a", "b"]
     assert streamed == summarise({"b": stored_b, "a": stored_a}).comparisons["a", "b"]

@@ -5,24 +5,30 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
 from fakes.painted import PaintedMaker
 
 from lrsr.camera import Camera
 from lrsr.experiments.design import Condition
+from lrsr.experiments.trial import Trial
 from lrsr.experiments.verification import Verification
 from lrsr.identities.head import Head
 from lrsr.identities.roster import IdentityRange
+from lrsr.pictures import source
 from lrsr.pictures.cache import RenderCache
-from lrsr.pictures.folder import Entry, read_manifest, write_manifest
+from lrsr.pictures.folder import Entry, read_folder, read_manifest, write_manifest
 from lrsr.pictures.image_files import read_image, write_png
+from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting
 from lrsr.pictures.to_folder import RenderSettings, render_to_folder
 from lrsr.presets import preset
+from lrsr.recognition import Engine
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Film, Quality, Scene
+from lrsr.sr import Bicubic
 
 PEOPLE, QUALITY = IdentityRange(count=10), Quality(samples_per_pixel=4, texture_size=64)
 FRONTAL = Scene(preset("lighting", "frontal"))
@@ -162,3 +168,36 @@ def test_probes_of_several_sizes_are_compared_but_not_shown(
     rows = run(tmp_path, replace(design, model=tone_model), maker)["rows"]
     assert [(row["fta"], row["n_genuine"]) for row in rows] == [(0.0, 10)] * 2
     assert not (tmp_path / "run" / "faces_1.png").exists()
+
+
+def test_manifests_are_read_once(
+    tmp_path: Path, tone_model: Path, maker: FaintMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    design = photographs(tmp_path, maker, lambda _, __, row: row)
+    read: list[Path] = []
+    monkeypatch.setattr(source, "read_folder", lambda root: read.append(root) or read_folder(root))
+    run(tmp_path, replace(design, model=tone_model), maker)
+    assert sorted(read) == sorted([design.probes_folder, design.gallery_folder])
+
+
+def test_pictures_of_turning_sizes_go_by_size_and_come_in_order(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    class Counting(Engine):
+        def embed(self, srgb: Any, landmarks_px: Any) -> Any:
+            batches.append(len(srgb))
+            return super().embed(srgb, landmarks_px)
+
+    batches: list[int] = []
+    generator = torch.Generator().manual_seed(0)
+    points = torch.rand(6, 5, 2, generator=generator) * 8
+    images = [torch.rand(3, 12, 12 + k % 2, generator=generator) for k in range(6)]
+    pictures = [Picture(image, "p", one, "") for image, one in zip(images, points, strict=True)]
+    trial = Trial(DESIGN, RenderCache(tmp_path), Counting(tone_model))
+    true = [replace(picture, image=picture.image.flip(-1)) for picture in pictures]
+    rows, decibels = trial._enlarge_and_embed(pictures, Bicubic(1), true)
+    assert batches == [3, 3]
+    for row, psnr_db, one, other in zip(rows, decibels, pictures, true, strict=True):
+        (alone,), (quality,) = trial._enlarge_and_embed([one], Bicubic(1), [other])
+        np.testing.assert_allclose(row, alone, atol=1e-6)
+        assert psnr_db == pytest.approx(quality)

@@ -16,8 +16,8 @@ from matplotlib.image import imread
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.evaluation.distinctness import Distinct
-from lrsr.experiments.people import Uniqueness, answer, gate_sentence
-from lrsr.experiments.report.sheets import GAP_PX, LINE_PX
+from lrsr.experiments.people import Uniqueness, _answer, _gate_sentence
+from lrsr.experiments.report.sheets import _GAP_PX, _LINE_PX
 from lrsr.experiments.uniqueness import Findings
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION
@@ -112,7 +112,7 @@ def size(path: Path) -> tuple[int, int]:
 def sheet_size(count: int) -> tuple[int, int]:
     columns = min(count, math.ceil(math.sqrt(1.6 * count)))
     rows = math.ceil(count / columns)
-    return rows * (SIDE + LINE_PX + GAP_PX), GAP_PX + columns * (SIDE + GAP_PX)
+    return rows * (SIDE + _LINE_PX + _GAP_PX), _GAP_PX + columns * (SIDE + _GAP_PX)
 
 
 def test_a_folder_holds_everything_that_was_promised(folder: Path) -> None:
@@ -192,7 +192,7 @@ def test_the_contact_sheet_has_a_place_for_everybody(folder: Path) -> None:
 def test_the_contact_sheet_ends_with_the_first_people(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tone_model: Path
 ) -> None:
-    monkeypatch.setattr("lrsr.experiments.people.SHEET", 3)
+    monkeypatch.setattr("lrsr.experiments.people._SHEET", 3)
     people = IdentityRange(count=4)
     again = run(tmp_path, tone_model, gallery=enrolled(people), cache=folder.parent / "cache")
     assert size(again / "contact_sheet.png") == sheet_size(3)
@@ -281,7 +281,7 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path, tone_model: Pa
 
 
 def test_an_answer_says_that_everybody_is_far_enough_away() -> None:
-    first, second = answer(SETTINGS, findings([30.0, 40.0, 50.0]))
+    first, second = _answer(SETTINGS, findings([30.0, 40.0, 50.0]))
     assert first == (
         "3 people, 3 pairs: the nearest two are 30.0° apart, the median is 40.0° (shipped encoder)."
     )
@@ -309,7 +309,7 @@ def test_an_answer_says_who_was_redrawn(
     outcome: Distinct, settings: dict[str, float], says: str
 ) -> None:
     found = findings([30.0, 40.0, 50.0], outcome=outcome)
-    assert answer(replace(SETTINGS, **settings), found)[1].endswith(says)
+    assert _answer(replace(SETTINGS, **settings), found)[1].endswith(says)
 
 
 @pytest.mark.parametrize(
@@ -331,11 +331,11 @@ def test_a_sentence_says_whose_face_or_hair_was_drawn_again(
     people: int, redrawn: int, unresolved: int, says: str
 ) -> None:
     gate = {"people": people, "redrawn": redrawn, "unresolved": unresolved}
-    assert gate_sentence(gate) == says
+    assert _gate_sentence(gate) == says
 
 
 def test_results_and_report_tell_of_the_gate(page: str, results: dict[str, Any]) -> None:
     assert results["gate"] == tally(gate(index) for index in range(7))
-    assert gate_sentence(results["gate"]) in page[: page.index("<h2>")]
+    assert _gate_sentence(results["gate"]) in page[: page.index("<h2>")]
     told = html.unescape(page)
     assert all(f'<th scope="row">{reason}</th>' in told for reason in results["gate"]["reasons"])

@@ -13,7 +13,7 @@ from hydra import compose, initialize_config_dir
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.experiments.uniqueness import (
-    NEAREST,
+    _NEAREST,
     Findings,
     Gallery,
     UniquenessSettings,
@@ -196,7 +196,7 @@ def test_the_histogram_counts_every_pair_once(tmp_path: Path, tone_model: Path) 
 def test_the_nearest_pairs_are_few_and_sorted(tmp_path: Path, tone_model: Path) -> None:
     told = summary(find(tmp_path, tone_model, {})[1])
     angles = [pair["angle_deg"] for pair in told["nearest_pairs"]]
-    assert len(angles) == NEAREST
+    assert len(angles) == _NEAREST
     assert angles == sorted(angles)
     assert angles[0] == pytest.approx(told["angles_deg"]["min"], abs=1e-3)
 

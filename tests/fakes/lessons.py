@@ -11,7 +11,7 @@ from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.images import resize_bicubic
 from lrsr.training.degradation import Degradation
-from lrsr.training.faces import draw_views
+from lrsr.training.faces import _draw_views
 from lrsr.training.identification import Identification
 from lrsr.training.order import EpochOrder
 from lrsr.training.patches import LuminancePatches, Pair, Patches
@@ -74,7 +74,7 @@ class PaintedFaces(LightningDataModule):
 
     def train_dataloader(self) -> DataLoader[Any]:
         data = TensorDataset(self.crops.repeat(2, 1, 1, 1), self.people, self.sharp)
-        draw = partial(draw_views, self.people.numpy(), self.sharp.numpy(), 2)
+        draw = partial(_draw_views, self.people.numpy(), self.sharp.numpy(), 2)
         return DataLoader(data, sampler=EpochOrder(draw, batch_size=4, seed=0), batch_size=None)
 
     def val_dataloader(self) -> DataLoader[Any]:
@@ -137,3 +137,18 @@ def train_fake(network: str, folder: str, epochs: int) -> None:
         callbacks=[Progress()],
         depends_on={"network": network, "epochs": epochs},
     )
+
+
+def train_by_command(folder: str, epochs: int) -> int:
+    """Run ``lrsr train`` itself, on drawn pictures, with constant rates; return its status."""
+    from lrsr.cli import main
+    from lrsr.training import lessons
+
+    class Drawn(SyntheticPairs):
+        def about(self) -> dict[str, Any]:
+            return {}
+
+    torch.set_num_threads(1)
+    lessons.read_lessons = lambda *_: Drawn()  # type: ignore[assignment]
+    words = ["train", "sr=srcnn2x", "module.scheduler=null", f"trainer.max_epochs={epochs}"]
+    return main([*words, "trainer.accelerator=cpu", "identities.count=2", f"paths.run={folder}"])

@@ -17,7 +17,7 @@ from oracles.heads import ellipsoid_part, stand_in
 from lrsr.identities.head import Head
 from lrsr.presets import preset
 from lrsr.rendering import live_scene
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.skin_spectrum import skin_albedo
 from lrsr.rendering.spectral_upsampling import _filters, _light_bands, meter_bands
 from lrsr.rendering.wavelengths import draw_wavelengths, split
@@ -36,7 +36,7 @@ def shapes() -> Arrays:
     """Light of given colours and skin of a given one, as Mitsuba has them at wavelengths."""
     import drjit as dr
 
-    mi = start()
+    mi = _start()
     nm = np.arange(380.5, 730.0, 1.0)
     si = dr.zeros(mi.SurfaceInteraction3f, len(nm))
     si.wavelengths, si.wi = mi.Spectrum(mi.Float(nm)), mi.Vector3f(0, 0, 1)
@@ -64,7 +64,7 @@ def shapes() -> Arrays:
 
 def rays() -> Arrays:
     """Wavelengths that are drawn, and light of one each, split into bands."""
-    mi = start()
+    mi = _start()
     uniform = (np.arange(1000) + 0.5) / 1000
     drawn, weight = draw_wavelengths(mi.Float(uniform), (380.0, 730.0))
     nm = np.array(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from oracles.heads import ball
 
 from lrsr.presets import preset
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.painted_skin import Sampling, SkinSurface
 from lrsr.rendering.skin import Skin
 from lrsr.rendering.subsurface import subsurface_integrator
@@ -18,14 +18,14 @@ DISTANCE = 20.0
 
 
 def texture(value: Any, channels: int) -> Any:
-    mi = start()
+    mi = _start()
     texels = np.full((2, 2, channels), value, np.float32)
     raw = channels == 1 or not mi.is_spectral
     return mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(texels), "raw": raw})
 
 
 def mesh(radius_mm: float, properties: Any) -> Any:
-    mi = start()
+    mi = _start()
     vertices, faces, uv = ball(96, 192)
     made = mi.Mesh(
         "skin", len(vertices), len(faces), properties, has_vertex_normals=True,
@@ -51,7 +51,7 @@ def mean_of_ball(
     runs: int = 4,
 ) -> tuple[NDArray, NDArray]:
     """Return the mean radiance of a ball's disc in white light, and its standard error."""
-    mi = start()
+    mi = _start()
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict({"type": "diffuse"})
     made = mesh(radius_mm, properties)
@@ -65,7 +65,7 @@ def brute_force(
     absorption_per_mm: float, scattering_per_mm: float, radius_mm: float, samples: int, runs: int
 ) -> tuple[NDArray, NDArray]:
     """Return the same for a grey medium behind a smooth boundary of index 1.4, by ``volpath``."""
-    mi = start()
+    mi = _start()
     extinction = absorption_per_mm + scattering_per_mm
     medium = {"type": "homogeneous", "scale": extinction, "sigma_t": 1.0}
     properties = mi.Properties()
@@ -78,7 +78,7 @@ def brute_force(
 def _mean(
     made: Any, integrator: Any, radius_mm: float, samples: int, runs: int
 ) -> tuple[NDArray, NDArray]:
-    mi = start()
+    mi = _start()
     white = {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}}
     scene = mi.load_dict({"type": "scene", "light": white, "skin": made})
     view = mi.ScalarTransform4f().look_at([0, 0, DISTANCE * radius_mm], [0, 0, 0], [0, 1, 0])

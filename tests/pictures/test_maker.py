@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from functools import cache
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -15,7 +16,7 @@ from lrsr.identities.head import Head
 from lrsr.identities.person import Traits
 from lrsr.identities.population import EVERYBODY, Population
 from lrsr.identities.splits import identity_seed
-from lrsr.pictures.maker import MitsubaMaker, mitsuba_maker
+from lrsr.pictures.maker import MitsubaMaker
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Film, Scene
 from lrsr.rendering.skin import REFLECTIVE, Skin
@@ -53,7 +54,7 @@ def _parts(monkeypatch: pytest.MonkeyPatch) -> None:
         "lrsr.rendering.renderer": {
             "RENDERER_VERSION": "b",
             "SPECTRA_VERSION": "d",
-            "Renderer": Renderer,
+            "shared_renderer": cache(lambda skin, depth: Renderer(skin, max_depth=depth)),
         },
         "lrsr.rendering.backend": {"choose_variant": lambda: SimpleNamespace(variant="c")},
     }
@@ -118,7 +119,3 @@ def test_one_renderer_serves_all_pictures_of_a_skin() -> None:
         maker.render(head, recipe(5, max_depth=depth))
     maker.render(head, recipe(5, skin="subsurface"))
     assert Renderer.made == [(REFLECTIVE, 5), (REFLECTIVE, 8), (SKINS["subsurface"], 5)]
-
-
-def test_a_process_has_one_maker() -> None:
-    assert mitsuba_maker() is mitsuba_maker()

@@ -16,7 +16,7 @@ from lrsr.identities.person import Person
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.paths import config_folder
-from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality, read_scene
+from lrsr.pictures.sitting import Sitting, _read_scene, read_gallery, read_people, read_quality
 from lrsr.rendering.scene import Film, Quality
 
 SITTING = Sitting(IdentityRange(start=5, count=3), scene(), Film(), Quality())
@@ -90,14 +90,14 @@ def test_what_is_named_on_the_command_line_is_what_is_pictured() -> None:
     names = {"pose": "left", "lighting": "room_blue", "lens": "single"}
     names |= {"standpoint": "scface_far", "expression": "smile"}
     given = config(*(f"{group}={name}" for group, name in names.items()))
-    assert read_scene(given) == scene(**names)
-    assert read_scene(config()) == scene()
+    assert _read_scene(given) == scene(**names)
+    assert _read_scene(config()) == scene()
 
 
 def test_one_number_changes_one_number() -> None:
     changes = ["pose.yaw_deg=10", "lighting.fill_share=0.5", "lens=single", "lens.f_number=8"]
     changes += ["standpoint.distance_m=3", "expression=blink", "+expression.units.jawOpen=0.2"]
-    assert read_scene(config(*changes)) == scene(
+    assert _read_scene(config(*changes)) == scene(
         replace(POSES["frontal"], yaw_deg=10),
         replace(LIGHTINGS["frontal"], fill_share=0.5),
         replace(LENSES["single"], f_number=8),
@@ -121,7 +121,7 @@ def test_one_number_changes_one_number() -> None:
 )
 def test_a_wrong_number_names_the_setting(override: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        read_scene(config(override))
+        _read_scene(config(override))
 
 
 def test_quality_is_what_the_group_says() -> None:

@@ -1,5 +1,6 @@
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -106,9 +107,12 @@ def test_each_probes_reference_is_found_beside_it(folder: Path, scale: int) -> N
         assert reference.image.shape[-1] == scale * probe.image.shape[-1]
 
 
-def test_a_reference_of_another_pose_is_none(folder: Path) -> None:
+@pytest.mark.parametrize(
+    "other", [{"yaw_deg": 1.0}, {"standpoint": "scface_far"}, {"skin": "tone"}], ids=str
+)
+def test_a_reference_of_another_scene_is_none(folder: Path, other: dict[str, Any]) -> None:
     rows = read_manifest(folder)
-    write_manifest(folder, [replace(r, yaw_deg=1.0) if r.scale == 2 else r for r in rows])
+    write_manifest(folder, [replace(r, **other) if r.scale == 2 else r for r in rows])
     probes = read_photographs(folder, "probe")
     assert references_of(probes, 2) is None
     assert references_of(probes, 4) is not None

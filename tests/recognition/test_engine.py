@@ -6,7 +6,8 @@ import pytest
 import torch
 
 from lrsr.errors import ImageContractError, InputError
-from lrsr.recognition import Engine, cosine_scores
+from lrsr.evaluation.scores import CosineScores
+from lrsr.recognition import Engine
 from lrsr.recognition.alignment import TEMPLATE_PX, align
 from lrsr.recognition.embedding import Embedder
 
@@ -23,12 +24,12 @@ def test_a_face_is_aligned_and_embedded(tiny_model: Path) -> None:
     np.testing.assert_array_equal(embeddings, Embedder(tiny_model)(crops))
 
 
-def test_no_face_found_is_a_row_of_nan_and_a_score_of_nan(tiny_model: Path) -> None:
+def test_no_face_found_is_a_row_of_nan_and_its_scores_are_missing(tiny_model: Path) -> None:
     landmarks = np.stack([TEMPLATE_PX, np.full((5, 2), np.nan), TEMPLATE_PX])
     embeddings = Engine(tiny_model).embed(faces(3), landmarks)
     assert np.isnan(embeddings).all(axis=1).tolist() == [False, True, False]
-    scores = cosine_scores(embeddings, embeddings[[0, 2]], ["a", "b", "c"], ["a", "c"])
-    assert np.isnan(scores.matrix).tolist() == [[False, False], [True, True], [False, False]]
+    (tile,) = CosineScores(embeddings, embeddings[[0, 2]], list("abc"), list("ac")).tiles()
+    assert np.isnan(tile.filled(np.nan)).tolist() == [[False] * 2, [True] * 2, [False] * 2]
 
 
 BROKEN = {
@@ -96,19 +97,6 @@ def test_the_contract_says_whether_to_antialias_unless_the_user_does(tiny_model:
 def test_a_report_can_say_which_model_it_was(tiny_model: Path) -> None:
     told = Engine(tiny_model).describe()
     assert (told["model"], told["licence"], told["dimension"]) == ("tiny.onnx", "MIT", 6)
-
-
-def test_scores_are_cosines() -> None:
-    probes = np.array([[1, 0], [0.6, 0.8]], dtype=np.float32)
-    gallery = np.array([[0, 1]], dtype=np.float32)
-    scores = cosine_scores(probes, gallery, ["a", "b"], ["b"])
-    np.testing.assert_allclose(scores.matrix, [[0], [0.8]], atol=1e-7)
-    assert scores.genuine().tolist() == pytest.approx([0.8])
-
-
-def test_embeddings_of_two_models_are_not_compared() -> None:
-    with pytest.raises(ImageContractError, match=r"got \(1, 2\) and \(1, 3\)"):
-        cosine_scores(np.zeros((1, 2), np.float32), np.zeros((1, 3), np.float32), ["a"], ["a"])
 
 
 def test_a_missing_model_is_the_users_to_mend(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from fakes.scenes import Studio
 from oracles.heads import stand_in
 
 from lrsr.identities.head import Head
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def renderer(tmp_path_factory: pytest.TempPathFactory) -> Studio:
     """Return one renderer for all: every further live scene makes every kernel longer."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LRSR_CACHE", str(tmp_path_factory.mktemp("cache")))
-        start()
+        _start()
     return Studio()
 
 

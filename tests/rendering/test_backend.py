@@ -11,7 +11,7 @@ import pytest
 
 from lrsr.errors import InputError
 from lrsr.rendering import backend
-from lrsr.rendering.backend import _Backend, _find_llvm, choose_variant, start
+from lrsr.rendering.backend import _Backend, _find_llvm, _start, choose_variant
 
 
 @pytest.fixture(autouse=True)
@@ -154,7 +154,7 @@ def test_start_refuses_a_choice_that_cannot_be_met(monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("LRSR_VARIANT", "cuda_ad_rgb")
     monkeypatch.setattr(backend, "_begin", cache(backend._begin.__wrapped__))
     with pytest.raises(InputError, match="does not work here"):
-        backend.start()
+        backend._start()
 
 
 def test_libraries_of_the_environment_come_before_the_systems_newest_first(
@@ -202,12 +202,12 @@ def test_a_child_that_hangs_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_pat
 def test_the_choice_is_logged_once(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    chosen = start().variant()
+    chosen = _start().variant()
     monkeypatch.setattr(backend, "choose_variant", lambda: _Backend(chosen, "it was asked for"))
     backend._begin.cache_clear()
     with caplog.at_level(logging.INFO, logger=backend.__name__):
-        start()
-        start()
+        _start()
+        _start()
     assert len(caplog.messages) == 1
     assert "it was asked for" in caplog.text
 

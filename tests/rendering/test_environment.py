@@ -8,7 +8,7 @@ import pytest
 from fakes.scenes import LIGHTINGS, ROOMS
 
 from lrsr.errors import InputError
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.colour import LUMINANCE
 from lrsr.rendering.environment import (
     environment,
@@ -136,7 +136,7 @@ def test_twice_as_near_makes_a_small_panel_a_quarter_as_bright_for_the_same_irra
 
 
 def write(path: Path, values: np.ndarray) -> str:
-    start().Bitmap(np.ascontiguousarray(values, dtype=np.float32)).write(str(path))
+    _start().Bitmap(np.ascontiguousarray(values, dtype=np.float32)).write(str(path))
     return str(path)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from fakes.scenes import Studio
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.diffusion import NEAR, far_width, near_weight
 from lrsr.rendering.exit_points import Profile
 
@@ -14,12 +14,12 @@ PATH_MM = (1.3, 0.95, 0.67)
 
 @pytest.fixture(scope="module", params=[10.0, 3.0], ids=["10 mm", "3 mm"])
 def profile(request: pytest.FixtureRequest, renderer: Studio) -> Profile:
-    mi = start()
+    mi = _start()
     return Profile(mi.Color3f(*ALBEDO), mi.Color3f(*PATH_MM), mi.Float(request.param))
 
 
 def test_each_channel_is_whole_within_the_reach(profile: Profile) -> None:
-    mi = start()
+    mi = _start()
     reach = float(profile.reach.numpy()[0])
     distance = (np.arange(40_000) + 0.5) * reach / 40_000
     rings = 2 * np.pi * distance * reach / 40_000
@@ -28,7 +28,7 @@ def test_each_channel_is_whole_within_the_reach(profile: Profile) -> None:
 
 
 def test_a_far_reach_leaves_the_fits_as_they_are(renderer: Studio) -> None:
-    mi = start()
+    mi = _start()
     whole = Profile(mi.Color3f(*ALBEDO), mi.Color3f(*PATH_MM), mi.Float(1000.0))
     for channel, (albedo, path) in enumerate(zip(ALBEDO, PATH_MM, strict=True)):
         near, far, weight = NEAR * path, far_width(albedo) * path, near_weight(albedo)
@@ -38,7 +38,7 @@ def test_a_far_reach_leaves_the_fits_as_they_are(renderer: Studio) -> None:
 
 
 def test_distances_are_drawn_from_the_mean_of_the_channels(profile: Profile) -> None:
-    mi = start()
+    mi = _start()
     count = 30_000
     uniform = mi.Float(((np.arange(count) + 0.5) / count).astype(np.float32))
     drawn = np.sort(profile.draw_distance(uniform).numpy())
@@ -54,7 +54,7 @@ def test_distances_are_drawn_from_the_mean_of_the_channels(profile: Profile) -> 
 
 def test_distances_have_no_jumps_where_channels_meet(profile: Profile) -> None:
     """Neighbours among stratified numbers are neighbours in distance, but for the two tails."""
-    mi = start()
+    mi = _start()
     uniform = mi.Float(((np.arange(6000) + 0.5) / 6000).astype(np.float32))
     steps = np.abs(np.diff(profile.draw_distance(uniform).numpy()))
     reach = float(profile.reach.numpy()[0])

@@ -8,7 +8,7 @@ from scipy.stats import norm
 
 from lrsr.errors import InputError
 from lrsr.rendering import exposure
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.exposure import _describe_pinhole, _pass_seed, expose
 from lrsr.rendering.geometry import place_camera
 from lrsr.rendering.lighting import Lighting
@@ -28,7 +28,7 @@ def pictures(renderer: Studio, count: int, samples: int, *, own: bool) -> np.nda
                 for seed in range(count)
             ]
         )
-    mi = start()
+    mi = _start()
     sensor = mi.load_dict(_describe_pinhole(viewpoint, POSE, viewpoint.film_px, samples))
     return np.array(
         [

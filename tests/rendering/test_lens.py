@@ -12,7 +12,7 @@ from omegaconf import OmegaConf
 from lrsr.errors import InputError
 from lrsr.presets import preset
 from lrsr.rendering.glass import refractive_index
-from lrsr.rendering.lens import Lens, biconvex, widest_f_number
+from lrsr.rendering.lens import Lens, _widest_f_number, biconvex
 from lrsr.rendering.mounted_lens import MountedLens, mount
 from lrsr.rendering.surfaces import Surface, entrance_pupil, focal_length_mm, stop_number
 
@@ -220,7 +220,7 @@ def test_a_pinhole_is_not_mounted() -> None:
 
 
 def test_the_widest_f_number_of_the_double_gauss_is_two() -> None:
-    assert widest_f_number(DOUBLE_GAUSS) == pytest.approx(2, rel=0.02)
+    assert _widest_f_number(DOUBLE_GAUSS) == pytest.approx(2, rel=0.02)
 
 
 @pytest.mark.parametrize("thickness", [0.5, 1.0, 2.0])

@@ -14,7 +14,7 @@ from oracles.heads import dots, stand_in
 from scipy.stats import norm
 
 from lrsr.presets import preset
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.exposure import _describe_pinhole, _make_sensor, expose
 from lrsr.rendering.geometry import AXIS_P1435LE, Viewpoint, place_camera
 from lrsr.rendering.lens import CHANNELS_NM, Lens, biconvex
@@ -35,7 +35,7 @@ def rays(name: str, count: int, wavelength: float, **changes: Any) -> tuple[Any,
     mounted = mount(lens, 3.0, FOCUS_MM, 0.5)
     shift = np.eye(4)
     shift[:3, 3] = 1, 2, 3
-    mi = start()
+    mi = _start()
     sensor = lens_sensor(mounted, shift, SLOPE, 16, 16, disperse=lens.dispersion)
     rng = np.random.default_rng(0)
     position, aperture = rng.uniform(size=(2, count, 2))
@@ -73,7 +73,7 @@ def test_a_ray_of_a_dispersing_lens_has_one_channel(renderer: Studio, channel: i
 
 def field(lens: Lens, film_px: int = 16, slope: float = 0.3, samples: int = 1024) -> np.ndarray:
     """Expose a lens to a field of radiance 1 from everywhere."""
-    mi = start()
+    mi = _start()
     scene = mi.load_dict({"type": "scene", "sky": {"type": "constant", "radiance": 1.0}})
     viewpoint = Viewpoint(np.array([0.0, 0.0, FOCUS_MM]), film_px, film_px / 2 / slope)
     focal_mm = viewpoint.pixels_per_slope * AXIS_P1435LE.pitch_um / 1000
@@ -148,7 +148,7 @@ def blurred(renderer: Studio, lens: Lens, seed: int, depth_mm: float = FOCUS_MM)
 
 def test_our_thin_lens_is_mitsubas(renderer: Studio) -> None:
     """The aperture is 30 mm wide and focused behind the head."""
-    mi = start()
+    mi = _start()
     head = stand_in(1)
     viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)
     constant = viewpoint.pixels_per_slope * AXIS_P1435LE.pitch_um / 1000
@@ -246,7 +246,7 @@ def test_the_same_lens_gives_the_same_bytes(renderer: Studio) -> None:
 
 def test_mitsuba_renders_with_the_sensor(renderer: Studio) -> None:
     """As a plain sensor of ``mi.render``: the same picture as that of our film, within noise."""
-    mi = start()
+    mi = _start()
     head = stand_in(1)
     scene = renderer._live.show(head, LIGHTINGS["side"], FRONTAL)
     viewpoint = place_camera(head.pupils, 6.0, camera_m=0.4)

@@ -13,7 +13,7 @@ from omegaconf import OmegaConf
 
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.colour import rgb_of_kelvin
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light, Panel
@@ -83,11 +83,11 @@ def test_what_is_new_is_recorded_where_it_is_used(change: dict[str, Any]) -> Non
 
 def test_a_map_is_recorded_by_its_content(tmp_path: Path) -> None:
     first = tmp_path / "a.exr"
-    start().Bitmap(np.ones((4, 8, 3), np.float32)).write(str(first))
+    _start().Bitmap(np.ones((4, 8, 3), np.float32)).write(str(first))
     second = Path(shutil.copy(first, tmp_path / "b.exr"))
     same, other = (Lighting("m", (), 1.0, map=str(path)) for path in (first, second))
     assert same.record() == other.record()
-    start().Bitmap(np.full((4, 8, 3), 2, np.float32)).write(str(second))
+    _start().Bitmap(np.full((4, 8, 3), 2, np.float32)).write(str(second))
     assert same.record() != other.record()
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from lrsr.errors import InputError
 from lrsr.rendering.colour import LUMINANCE
-from lrsr.rendering.lights import NEAREST_MM, Light, Panel
+from lrsr.rendering.lights import _NEAREST_MM, Light, Panel
 
 
 @pytest.mark.parametrize(
@@ -46,8 +46,8 @@ def test_a_colour_temperature_takes_the_place_of_rgb() -> None:
         ({"width_mm": 0.0}, "panel at .* sizes and irradiance > 0"),
         ({"irradiance": -1.0}, "panel at .* sizes and irradiance > 0"),
         ({"position_mm": (0, math.nan, 900)}, r"panel\.position_mm=nan: wanted a number"),
-        ({"position_mm": (0, 900)}, "panel at"),
-        ({"position_mm": (0, 0, 0.5 * NEAREST_MM)}, "at least 200 mm away"),
+        ({"position_mm": (0, 900)}, r"panel\.position_mm=\(0, 900\): wanted three numbers"),
+        ({"position_mm": (0, 0, 0.5 * _NEAREST_MM)}, "at least 200 mm away"),
         ({"rgb": (0, 0, 0)}, r"panel: rgb=\(0\.0, 0\.0, 0\.0\); give three numbers"),
         ({"kelvin": 3000.0, "rgb": (1, 0, 0)}, "give one of the two"),
         ({"kelvin": 50.0}, "colour temperature 50.0 K"),

@@ -10,7 +10,7 @@ from oracles.heads import ellipsoid_part, stand_in
 
 from lrsr.identities.head import Head
 from lrsr.rendering import live_scene
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light, Panel
 from lrsr.rendering.live_lights import _opaque, describe_panels, map_data, move_panels
@@ -98,7 +98,7 @@ def test_a_lighting_without_panels_is_the_same_before_and_after(lit: Studio) -> 
 
 def test_a_scene_has_as_many_rectangles_as_panels() -> None:
     lighting = Lighting("two", panels=(LAMP, LAMP))
-    mi = start()
+    mi = _start()
     assert list(describe_panels(lighting)) == ["panel_0", "panel_1"]
     assert describe_panels(Lighting("none", (Light(0, 0),))) == {}
     scene = mi.load_dict({"type": "scene", **describe_panels(lighting)})
@@ -114,7 +114,7 @@ def test_a_scene_has_as_many_rectangles_as_panels() -> None:
 
 def test_a_map_is_kept_with_copies_of_its_outer_columns(lit: Studio) -> None:
     painted = np.random.default_rng(0).uniform(0, 1, (4, 8, 3)).astype(np.float32)
-    mi = start()
+    mi = _start()
     emitter = mi.load_dict({"type": "envmap", "bitmap": mi.Bitmap(painted.copy())})
     wanted = np.array(mi.traverse(emitter)["data"])
     np.testing.assert_array_equal(np.array(map_data(painted, wanted.shape[1])), wanted)

@@ -10,7 +10,7 @@ from oracles.heads import ball, dots, ellipsoid_part, stand_in
 from lrsr.identities.head import Head, Part
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light
-from lrsr.rendering.live_scene import _faces_around, _vertex_normals, fits
+from lrsr.rendering.live_scene import _faces_around, _fits, _vertex_normals
 
 CLOUDY = Lighting("cloudy", (), fill_share=1.0)
 SETTINGS = {"ipd_px": 4.0, "samples_per_pixel": 16}
@@ -75,7 +75,7 @@ def test_another_topology_reloads_the_scene(renderer: Studio) -> None:
 
 
 def test_a_head_of_another_shape_and_colour_fits() -> None:
-    assert fits(stand_in(0), stand_in(1))
+    assert _fits(stand_in(0), stand_in(1))
 
 
 def test_other_names_faces_and_texture_sizes_do_not_fit() -> None:
@@ -86,14 +86,14 @@ def test_other_names_faces_and_texture_sizes_do_not_fit() -> None:
         replace(skin, faces=skin.faces[:, [1, 2, 0]]),
         replace(skin, albedo=np.zeros((4, 4, 3), np.float32)),
     ):
-        assert not fits(replace(head, parts=(changed, *head.parts[1:])), head)
-    assert not fits(replace(head, parts=head.parts[1:]), head)
+        assert not _fits(replace(head, parts=(changed, *head.parts[1:])), head)
+    assert not _fits(replace(head, parts=head.parts[1:]), head)
 
 
 def test_other_maps_fit_but_none_do_not() -> None:
     head = stand_in(0)
-    assert not fits(with_maps(head, 0.0), head)
-    assert fits(with_maps(head, 0.0), with_maps(head, 1.0))
+    assert not _fits(with_maps(head, 0.0), head)
+    assert _fits(with_maps(head, 0.0), with_maps(head, 1.0))
 
 
 @pytest.mark.parametrize("mirrored", [False, True], ids=["plain uv", "mirrored uv"])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from lrsr.errors import InputError
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.panorama import load_map
 
 
 def write(path: Path, values: np.ndarray) -> Path:
-    start().Bitmap(np.ascontiguousarray(values, dtype=np.float32)).write(str(path))
+    _start().Bitmap(np.ascontiguousarray(values, dtype=np.float32)).write(str(path))
     return path
 
 
@@ -83,6 +83,6 @@ def test_what_is_no_linear_picture_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         load_map(text, 0.0, 64)
     png = tmp_path / "photo.png"
-    start().Bitmap(np.zeros((8, 16, 3), np.uint8)).write(str(png))
+    _start().Bitmap(np.zeros((8, 16, 3), np.uint8)).write(str(png))
     with pytest.raises(InputError, match="is no linear RGB image"):
         load_map(png, 0.0, 64)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from fakes.scenes import Studio
 
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.reflection import (
     RoughReflection,
     _albedo_table,
     _directional_albedo,
-    fresnel,
+    _fresnel,
 )
 
 COUNT = 1 << 18
@@ -21,16 +21,16 @@ def reflection(renderer: Studio) -> RoughReflection:
 
 
 def test_fresnel_at_normal_incidence_brewsters_angle_and_beyond_the_critical_one() -> None:
-    assert fresnel(1.0, 1.5) == pytest.approx(0.04)
+    assert _fresnel(1.0, 1.5) == pytest.approx(0.04)
     brewster = np.cos(np.arctan(1.5))
-    assert fresnel(brewster, 1.5) == pytest.approx(((1.5**2 - 1) / (1.5**2 + 1)) ** 2 / 2)
-    assert fresnel(0.1, 1 / 1.5) == 1.0
+    assert _fresnel(brewster, 1.5) == pytest.approx(((1.5**2 - 1) / (1.5**2 + 1)) ** 2 / 2)
+    assert _fresnel(0.1, 1 / 1.5) == 1.0
 
 
 def test_a_nearly_smooth_surface_reflects_as_fresnel_says() -> None:
     cosines = np.array([0.2, 0.5, 1.0])
     np.testing.assert_allclose(
-        _directional_albedo(cosines, 1e-3, 1.4), fresnel(cosines, 1.4), rtol=2e-3
+        _directional_albedo(cosines, 1e-3, 1.4), _fresnel(cosines, 1.4), rtol=2e-3
     )
 
 
@@ -48,7 +48,7 @@ def test_table_quadrature_and_samples_agree(
 ) -> None:
     import drjit as dr
 
-    mi = start()
+    mi = _start()
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(1, COUNT)
     view = mi.Vector3f(float(np.sqrt(1 - cosine**2)), 0, cosine)
@@ -63,7 +63,7 @@ def test_table_quadrature_and_samples_agree(
 def test_the_density_integrates_to_the_samples_above_the_surface(
     reflection: RoughReflection,
 ) -> None:
-    mi = start()
+    mi = _start()
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(2, COUNT)
     view = mi.Vector3f(0.6, 0, 0.8)
@@ -75,7 +75,7 @@ def test_the_density_integrates_to_the_samples_above_the_surface(
 
 
 def test_nothing_is_reflected_below_the_surface(reflection: RoughReflection) -> None:
-    mi = start()
+    mi = _start()
     value, density = reflection.eval_pdf(
         mi.Vector3f(0, 0, 1), mi.Vector3f(0.6, 0, -0.8), mi.Float(0.5)
     )
@@ -83,7 +83,7 @@ def test_nothing_is_reflected_below_the_surface(reflection: RoughReflection) -> 
 
 
 def test_the_mean_is_that_of_the_directions(reflection: RoughReflection) -> None:
-    mi = start()
+    mi = _start()
     cosines = (np.arange(200) + 0.5) / 200
     wanted = 2 * (_directional_albedo(cosines, 0.25, 1.4) * cosines).mean()
     assert reflection.mean(mi.Float(0.5)).numpy()[0] == pytest.approx(wanted, abs=3e-4)

@@ -3,7 +3,9 @@
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -243,7 +245,7 @@ def test_names_are_turned_into_the_values_of_their_files(
         def render(self, *values: object, **more: object) -> None:
             asked.append((*values, more))
 
-    monkeypatch.setattr(module, "_shared_renderer", lambda *key: asked.append(key) or Recorder())
+    monkeypatch.setattr(module, "shared_renderer", lambda *key: asked.append(key) or Recorder())
     named = {"pose": "left", "lighting": "room_blue", "lens": "single", "standpoint": "scface_far"}
     render(head, **named, skin="tone", ipd_px=9, scale=2, samples_per_pixel=32, seed=3)
     assert asked == [
@@ -255,18 +257,33 @@ def test_names_are_turned_into_the_values_of_their_files(
 def test_the_module_renders_with_one_shared_renderer(
     head: Head, renderer: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shared = module._shared_renderer
+    shared = module.shared_renderer
     assert shared(REFLECTIVE, 5) is shared(REFLECTIVE, 5)
     assert shared(REFLECTIVE, 5) is not shared(REFLECTIVE, 6)
     plain = Renderer.render
     monkeypatch.setattr(
-        module, "_shared_renderer", lambda *_: SimpleNamespace(render=partial(plain, renderer))
+        module, "shared_renderer", lambda *_: SimpleNamespace(render=partial(plain, renderer))
     )
     assert render(head, ipd_px=4, samples_per_pixel=16).image.shape == (3, 16, 16)
     skin = replace(head.parts[0], albedo=np.full_like(head.parts[0].albedo, np.nan))
     ghost = replace(head, parts=(skin, *head.parts[1:]))
     with pytest.raises(NonFiniteError, match="stand-in-0"):
         render(ghost, ipd_px=4, samples_per_pixel=16)
+
+
+def test_threads_that_ask_at_once_get_one_renderer(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[object] = []
+
+    class Slow:
+        def __init__(self, *_: object, **__: object) -> None:
+            time.sleep(0.05)
+            made.append(self)
+
+    monkeypatch.setattr(module, "Renderer", Slow)
+    skin = replace(REFLECTIVE, name="of this test alone")
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: module.shared_renderer(skin, 5), range(4)))
+    assert found == made * 4
 
 
 def test_the_folder_offers_its_names_and_no_others() -> None:

@@ -12,7 +12,7 @@ from lrsr.errors import InputError
 from lrsr.identities.face.expression import NEUTRAL
 from lrsr.rendering.lens import PINHOLE
 from lrsr.rendering.pose import FRONTAL
-from lrsr.rendering.scene import LEAST_SAMPLES, SCALES, Film, Quality, Scene
+from lrsr.rendering.scene import _LEAST_SAMPLES, _SCALES, Film, Quality, Scene
 from lrsr.rendering.standpoint import LEVEL
 
 
@@ -69,7 +69,7 @@ def test_a_film_out_of_range_is_refused(wrong: dict[str, Any], message: str) -> 
 
 
 @pytest.mark.parametrize("bands", [0, 7, 350])
-@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("scale", _SCALES)
 def test_a_film_in_range_is_made(scale: int, bands: int) -> None:
     film = Film(1999.9, scale, bands)
     assert (film.scale, film.bands) == (scale, bands)
@@ -99,7 +99,7 @@ def test_a_quality_out_of_range_is_refused(wrong: dict[str, Any], message: str) 
         (512, 4, 512),
         (512, 8, 512),
         (512, 16, 128),
-        (512, 64, LEAST_SAMPLES),
+        (512, 64, _LEAST_SAMPLES),
         (2048, 13, 776),
         (16, 64, 16),
     ],

@@ -23,10 +23,10 @@ def test_tone_sets_absorption_and_leaves_scattering() -> None:
 
 
 def test_a_smooth_boundary_reflects_7_68_percent_of_diffuse_light() -> None:
-    from lrsr.rendering.reflection import fresnel
+    from lrsr.rendering.reflection import _fresnel
 
     cosines = (np.arange(4000) + 0.5) / 4000
-    exact = 2 * (fresnel(cosines, 1.4) * cosines).mean()
+    exact = 2 * (_fresnel(cosines, 1.4) * cosines).mean()
     assert exact == pytest.approx(_FROM_OUTSIDE, abs=2e-4)
 
 

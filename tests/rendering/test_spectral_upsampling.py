@@ -5,7 +5,7 @@ import pytest
 from fakes.scenes import LIGHTINGS, ROOMS
 
 from lrsr.rendering.environment import environment
-from lrsr.spectra import band_edges, daylight, observer, photometric_unit, srgb_weights
+from lrsr.spectra import _observer, band_edges, daylight, photometric_unit, srgb_weights
 
 Seen = dict[str, np.ndarray]
 EDGES = band_edges(35)
@@ -34,7 +34,7 @@ def test_filters_lie_between_black_and_white(traced: Seen) -> None:
 @pytest.mark.parametrize("name", ["yellow", "above"])
 def test_the_luminance_of_the_meters_bands_is_its_reading(traced: Seen, name: str) -> None:
     _, metered = environment({**LIGHTINGS, "yellow": ROOMS["room_yellow"]}[name])
-    luminance = observer(EDGES)[1] @ traced[f"metered_{name}"]
+    luminance = _observer(EDGES)[1] @ traced[f"metered_{name}"]
     assert luminance == pytest.approx(metered, rel=2e-3)
 
 

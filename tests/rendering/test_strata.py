@@ -8,7 +8,7 @@ from fakes.scenes import LIGHTINGS, Studio
 from oracles.heads import stand_in
 
 from lrsr.rendering import exposure
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from lrsr.rendering.strata import _STRIP, grid, order_rays, stratified
 
 SEED, PIXELS = 12345, 5
@@ -22,11 +22,11 @@ def _started(renderer: Studio) -> None:
 def given(samples: int) -> np.ndarray:
     import drjit as dr
 
-    return np.array(dr.arange(start().UInt32, samples * PIXELS))
+    return np.array(dr.arange(_start().UInt32, samples * PIXELS))
 
 
 def mitsubas(samples: int) -> object:
-    sampler = start().load_dict({"type": "multijitter", "sample_count": samples})
+    sampler = _start().load_dict({"type": "multijitter", "sample_count": samples})
     sampler.set_samples_per_wavefront(samples)
     sampler.seed(SEED, samples * PIXELS)
     return sampler
@@ -66,7 +66,7 @@ def test_neighbours_start_near_each_other() -> None:
 
 
 def test_an_active_lane_does_not_care_for_the_others(renderer: Studio) -> None:
-    mi = start()
+    mi = _start()
     lanes = order_rays(16, 2, SEED)
     whole, half = stratified(16, SEED, lanes), stratified(16, SEED, lanes)
     some = mi.Bool([number % 2 == 0 for number in range(32)])
@@ -85,7 +85,7 @@ def test_the_order_changes_next_to_no_ray(
 
     ask = {"lens": lens, "lighting": LIGHTINGS["side"], "samples_per_pixel": 64, "ipd_px": 6.0}
     ordered = renderer.render(stand_in(1), **ask).image
-    as_given = lambda samples, pixels, _: dr.arange(start().UInt32, samples * pixels)  # noqa: E731
+    as_given = lambda samples, pixels, _: dr.arange(_start().UInt32, samples * pixels)  # noqa: E731
     monkeypatch.setattr(exposure, "order_rays", as_given)
     usual = renderer.render(stand_in(1), **ask).image
     assert (ordered != usual).float().mean() < 2e-3

@@ -12,11 +12,11 @@ from lrsr.rendering.glass import refractive_index
 from lrsr.rendering.lens import biconvex
 from lrsr.rendering.surfaces import (
     Surface,
+    _paraxial,
     entrance_pupil,
     exit_pupil,
     focal_length_mm,
     image_of,
-    paraxial,
     reversed_surfaces,
     stop_number,
     trace,
@@ -102,7 +102,7 @@ def test_images_obey_newtons_equation() -> None:
 
 
 def test_a_matrix_has_determinant_one() -> None:
-    assert np.linalg.det(paraxial(DOUBLE_GAUSS)) == pytest.approx(1, abs=1e-12)
+    assert np.linalg.det(_paraxial(DOUBLE_GAUSS)) == pytest.approx(1, abs=1e-12)
 
 
 @pytest.mark.parametrize("q", [-1.0, 0.0, 0.7, 1.0], ids=lambda q: f"q={q}")
@@ -203,7 +203,8 @@ def test_an_ideal_lens_sends_all_rays_of_a_point_to_its_image() -> None:
     ids=lambda broken: next(iter(broken)),
 )
 def test_a_surface_refuses_what_cannot_be(broken: dict) -> None:
-    with pytest.raises(InputError, match="give finite numbers in mm"):
+    (name,) = broken
+    with pytest.raises(InputError, match=rf"surface\.{name}=.*: wanted a number"):
         Surface(**{"radius_mm": 1.0, "thickness_mm": 1.0, **broken})
     with pytest.raises(InputError, match="glass 'jam'"):
         Surface(1.0, 1.0, "jam")

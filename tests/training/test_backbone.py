@@ -1,6 +1,6 @@
 import torch
 
-from lrsr.training.backbone import Backbone, Residual
+from lrsr.training.backbone import Backbone, _Residual
 
 
 def test_it_has_about_a_million_parameters_and_fits_in_five_megabytes() -> None:
@@ -14,7 +14,7 @@ def test_a_face_becomes_128_numbers() -> None:
 
 
 def test_a_block_that_halves_has_a_shortcut_that_halves() -> None:
-    assert Residual(4, 6, stride=2)(torch.zeros(2, 4, 8, 8)).shape == (2, 6, 4, 4)
+    assert _Residual(4, 6, stride=2)(torch.zeros(2, 4, 8, 8)).shape == (2, 6, 4, 4)
 
 
 def test_in_evaluation_a_face_does_not_see_its_batch() -> None:

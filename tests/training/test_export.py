@@ -11,7 +11,7 @@ from lrsr.errors import InputError, NonFiniteError
 from lrsr.sr.networks import NETWORKS
 from lrsr.training import export
 from lrsr.training.backbone import Backbone
-from lrsr.training.export import OPSET, TOLERANCE, export_onnx
+from lrsr.training.export import _OPSET, _TOLERANCE, export_onnx
 
 ABOUT = {"scale": "4", "lr_made_by": "rendered"}
 
@@ -36,7 +36,7 @@ def network() -> Any:
 @pytest.fixture(scope="module")
 def exported(network: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("onnx") / "model.onnx"
-    assert write(path, network) <= TOLERANCE
+    assert write(path, network) <= _TOLERANCE
     return path
 
 
@@ -47,7 +47,7 @@ def test_onnxruntime_returns_what_torch_does_at_any_size(
     luminance = torch.rand(shape, generator=torch.Generator().manual_seed(2))
     (restored,) = onnxruntime.InferenceSession(exported).run(None, {"luminance": luminance.numpy()})
     assert restored.shape == shape
-    np.testing.assert_allclose(restored, network(luminance).detach().numpy(), atol=TOLERANCE)
+    np.testing.assert_allclose(restored, network(luminance).detach().numpy(), atol=_TOLERANCE)
 
 
 def test_input_and_output_are_declared_with_free_n_h_w(exported: Path) -> None:
@@ -62,7 +62,7 @@ def test_input_and_output_are_declared_with_free_n_h_w(exported: Path) -> None:
 
 def test_opset_is_the_stated_one(exported: Path) -> None:
     model = onnx.load(exported)
-    assert [(o.domain, o.version) for o in model.opset_import] == [("", OPSET)]
+    assert [(o.domain, o.version) for o in model.opset_import] == [("", _OPSET)]
     onnx.checker.check_model(model, full_check=True)
 
 

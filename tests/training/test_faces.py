@@ -18,7 +18,7 @@ from lrsr.rendering.lens import PINHOLE
 from lrsr.rendering.pose import FRONTAL
 from lrsr.rendering.scene import Quality
 from lrsr.rendering.standpoint import LEVEL
-from lrsr.training.faces import Faces, draw_views
+from lrsr.training.faces import Faces, _draw_views
 from lrsr.training.variety import Variety
 
 
@@ -132,7 +132,7 @@ def test_batches_are_crops_people_and_sharpness(ready: Faces) -> None:
 
 def test_each_person_is_drawn_as_often_half_of_it_sharp() -> None:
     people, sharp = np.repeat(np.arange(3), 8), np.tile(np.arange(8) < 2, 3)
-    rows = draw_views(people, sharp, 5, np.random.default_rng(0))
+    rows = _draw_views(people, sharp, 5, np.random.default_rng(0))
     for person in range(3):
         drawn = rows[people[rows] == person]
         assert len(drawn) == 5

@@ -9,7 +9,7 @@ from fakes.lessons import make_arcface
 
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.training.degradation import Degradation
-from lrsr.training.identification import Identification, verification_aucs
+from lrsr.training.identification import Identification, _verification_aucs
 
 
 def toy_batch(people: int = 6, views: int = 2) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
@@ -70,7 +70,7 @@ def test_a_loss_that_is_no_number_stops_the_training() -> None:
 def test_aucs_are_of_everybody_against_everybody() -> None:
     gallery = np.eye(3, dtype=np.float32)
     swapped = gallery[[1, 0, 2]]
-    aucs = verification_aucs({"gallery": gallery, "ipd64": gallery, "ipd8": swapped})
+    aucs = _verification_aucs({"gallery": gallery, "ipd64": gallery, "ipd8": swapped})
     # genuine 0, 0, 1; impostor 1, 1, 0, 0, 0, 0: (4/2 + 4/2 + 4 + 2/2) of 18 pairs
     assert aucs["auc_ipd8"] == pytest.approx(9 / 18)
     assert aucs["auc"] == pytest.approx((1 + 9 / 18) / 2)

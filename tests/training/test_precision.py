@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from lrsr.training import precision
-from lrsr.training.precision import choose_precision, has_bfloat16
+from lrsr.training.precision import _has_bfloat16, choose_precision
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ from lrsr.training.precision import choose_precision, has_bfloat16
     ],
 )
 def test_bfloat16_is_read_from_the_flags(cpuinfo: str, expected: Any) -> None:
-    assert has_bfloat16(cpuinfo) is expected
+    assert _has_bfloat16(cpuinfo) is expected
 
 
 @pytest.mark.parametrize(

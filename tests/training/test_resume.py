@@ -103,3 +103,25 @@ def test_forgotten_is_what_a_run_left_and_nothing_else(tmp_path: Path) -> None:
         (tmp_path / name).touch()
     forget(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+@pytest.mark.parametrize(
+    ("epochs", "follows_length", "message"),
+    [
+        (6, False, None),
+        (6, True, r"max_epochs=4, .*max_epochs=6, and its scheduler is as long as the run: choose"),
+        (2, False, r"max_epochs=4, this run has trainer.max_epochs=2: choose"),
+        (None, False, r"max_epochs=4, this run has trainer.max_epochs=None: choose"),
+    ],
+    ids=["longer", "longer-schedule", "shorter", "none"],
+)
+def test_only_a_run_whose_rates_do_not_follow_from_its_length_may_be_longer(
+    tmp_path: Path, epochs: int | None, follows_length: bool, message: str | None
+) -> None:
+    begun(tmp_path, {"trainer.max_epochs": 4})
+    now = {"trainer.max_epochs": epochs}
+    if message is None:
+        refuse_other_run(tmp_path, now, follows_length=follows_length)
+    else:
+        with pytest.raises(InputError, match=message):
+            refuse_other_run(tmp_path, now, follows_length=follows_length)

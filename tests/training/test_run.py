@@ -222,6 +222,41 @@ def test_four_epochs_killed_after_two_end_with_the_same_weights(
     assert all(torch.equal(one["state_dict"][name], t) for name, t in other["state_dict"].items())
 
 
+COMMAND = (
+    "import sys; from fakes.lessons import train_by_command as run; sys.exit(run(*sys.argv[1:]))"
+)
+
+
+def test_of_two_commands_in_one_folder_the_later_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]), prepend=":")
+    folder = tmp_path / "run"
+
+    def command(epochs: int) -> subprocess.Popen[bytes]:
+        words = [sys.executable, "-c", COMMAND, str(folder), str(epochs)]
+        return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    with command(40) as first:
+        while first.poll() is None and epochs_of(folder) < 1:
+            time.sleep(0.01)
+        first.send_signal(signal.SIGSTOP)  # it works in the folder, however fast it is
+        with command(40) as second:
+            stdout, stderr = second.communicate(timeout=120)
+        first.send_signal(signal.SIGCONT)
+        assert (second.returncode, stdout) == (2, b"")
+        line = f"lrsr: {folder} is in use by another lrsr command: wait for it or choose another"
+        assert stderr.decode().splitlines()[-1] == line
+        first.communicate(timeout=120)
+    assert (first.returncode, epochs_of(folder)) == (0, 40)
+    with command(42) as longer:
+        stdout, stderr = longer.communicate(timeout=120)
+    assert longer.returncode == 0, stderr
+    assert stdout.decode().split() == [str(folder)]
+    history = json.loads((folder / "metrics.json").read_text())["history"]
+    assert [epoch["epoch"] for epoch in history] == [*range(42)]
+
+
 def epochs_of(folder: Path) -> int:
     path = folder / "metrics.json"
     return len(json.loads(path.read_text())["history"]) if path.is_file() else 0
@@ -235,6 +270,39 @@ def test_a_finished_run_is_left_as_it_is(pairs: SyntheticPairs, tmp_path: Path) 
     after = json.loads((folder / "metrics.json").read_text())
     assert after["history"] == before["history"]
     assert after["steps"] == before["steps"]
+
+
+@without_export
+def test_a_longer_run_goes_on_from_a_finished_one(pairs: SyntheticPairs, tmp_path: Path) -> None:
+    def constant(folder: str, epochs: int) -> Learner:
+        depends_on = {"trainer.max_epochs": epochs}
+        module = make_srcnn(scheduler=None)
+        run(pairs, tmp_path / folder, epochs=epochs, module=module, depends_on=depends_on)
+        return module
+
+    whole = constant("whole", 4)
+    constant("longer", 2)
+    longer = constant("longer", 4)
+    assert longer.history == whole.history
+    for name, value in whole.state_dict().items():
+        assert torch.equal(longer.state_dict()[name], value), name
+
+
+@pytest.mark.parametrize(
+    ("scheduler", "follows"),
+    [
+        (None, False),
+        (partial(torch.optim.lr_scheduler.StepLR, step_size=3), False),
+        (partial(torch.optim.lr_scheduler.CosineAnnealingLR, T_max=7), False),
+        (partial(torch.optim.lr_scheduler.CosineAnnealingLR), True),
+        (partial(torch.optim.lr_scheduler.OneCycleLR, max_lr=1e-3), True),
+    ],
+    ids=["none", "steps", "cosine-of-seven", "cosine", "one-cycle"],
+)
+def test_rates_follow_the_length_where_the_scheduler_does_not_say_it(
+    scheduler: Any, follows: bool
+) -> None:
+    assert make_srcnn(scheduler=scheduler).follows_length is follows
 
 
 @without_export

@@ -29,7 +29,7 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
         tests.setdefault(_place(test), {})[test["against"]] = {
             "against_label": labels[test["against"]],
             "difference": f"{test['difference']:+.3f}".replace("-", "−"),
-            "p": format_p(test["p"], test["log10_p"]),
+            "p": _format_p(test["p"], test["log10_p"]),
             "remains": p_holm < 0.05,
         }
     return [_line(row, tests.get(_place(row), {})) for row in rows]
@@ -55,7 +55,7 @@ def method_labels(rows: _Records) -> dict[str, str]:
     return {row["method"]: row["label"] for row in rows}
 
 
-def format_p(p: float, log10_p: float | None = None) -> str:
+def _format_p(p: float, log10_p: float | None = None) -> str:
     r"""Write a p value with two digits, as a power of ten where it is small.
 
     Args:
@@ -63,9 +63,9 @@ def format_p(p: float, log10_p: float | None = None) -> str:
         log10_p: Its decimal logarithm, where p itself underflows.
 
     Example:
-        >>> [format_p(p).replace("\u00a0", " ") for p in (0.43, 0.043, 0.00012, 0.0)]
+        >>> [_format_p(p).replace("\u00a0", " ") for p in (0.43, 0.043, 0.00012, 0.0)]
         ['0.43', '0.043', '1.2 × 10⁻⁴', '0']
-        >>> format_p(0.0, log10_p=-400.5).replace("\u00a0", " ")
+        >>> _format_p(0.0, log10_p=-400.5).replace("\u00a0", " ")
         '3.2 × 10⁻⁴⁰¹'
     """
     if p >= 0.00095:

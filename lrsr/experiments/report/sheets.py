@@ -14,10 +14,10 @@ from torchvision.utils import make_grid
 from lrsr.errors import ImageContractError
 from lrsr.pages import png_bytes
 
-TILE_PX = 128
-GAP_PX = 4
-HEADING_PX = 24
-LINE_PX = 20
+_TILE_PX = 128
+_GAP_PX = 4
+_HEADING_PX = 24
+_LINE_PX = 20
 _DPI = 128  # a power of two: no pixel is lost on the way through inches and back
 
 
@@ -37,14 +37,14 @@ def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
         sizes = {heading: len(column) for heading, column in pictures.items()}
         raise ImageContractError(f"contact sheet: got {sizes}, wanted as many people in each")
     tiles = torch.stack([_tile(column) for column in pictures.values()], dim=1).flatten(0, 1)
-    grid = make_grid(tiles, nrow=len(pictures), padding=GAP_PX, pad_value=1.0)
+    grid = make_grid(tiles, nrow=len(pictures), padding=_GAP_PX, pad_value=1.0)
     if len(tiles) == 1:  # which torchvision leaves without its frame
-        grid = F.pad(grid, [GAP_PX] * 4, value=1.0)
-    sheet = np.ones((grid.shape[1] + HEADING_PX, grid.shape[2], 3))
-    sheet[HEADING_PX:] = grid.permute(1, 2, 0).numpy()
-    middles = GAP_PX + TILE_PX / 2 + np.arange(len(pictures)) * (TILE_PX + GAP_PX)
+        grid = F.pad(grid, [_GAP_PX] * 4, value=1.0)
+    sheet = np.ones((grid.shape[1] + _HEADING_PX, grid.shape[2], 3))
+    sheet[_HEADING_PX:] = grid.permute(1, 2, 0).numpy()
+    middles = _GAP_PX + _TILE_PX / 2 + np.arange(len(pictures)) * (_TILE_PX + _GAP_PX)
     headings = zip(pictures, middles.tolist(), strict=True)
-    return _draw(sheet, [(heading, x, HEADING_PX / 2, 7.8) for heading, x in headings])
+    return _draw(sheet, [(heading, x, _HEADING_PX / 2, 7.8) for heading, x in headings])
 
 
 def draw_portraits(
@@ -73,15 +73,15 @@ def draw_portraits(
     _, height, width = shapes[0]
     columns = min(columns, len(images))
     places = [_place(k, columns, group, height, width) for k in range(len(images))]
-    across = max(x for _, x in places) + width + GAP_PX
-    down = max(y for y, _ in places) + height + LINE_PX
+    across = max(x for _, x in places) + width + _GAP_PX
+    down = max(y for y, _ in places) + height + _LINE_PX
     sheet = np.ones((down, across, 3))
     for image, (y, x) in zip(images, places, strict=True):
         sheet[y : y + height, x : x + width] = image.clip(0, 1).transpose(1, 2, 0)
     size = min(7.0, 7.0 * width / 160)  # points; 160 px hold "test-00000-female  f 41"
     lines = zip(captions, places, strict=True)
     return _draw(
-        sheet, [(text, x + width / 2, y + height + LINE_PX / 2, size) for text, (y, x) in lines]
+        sheet, [(text, x + width / 2, y + height + _LINE_PX / 2, size) for text, (y, x) in lines]
     )
 
 
@@ -96,14 +96,16 @@ def _draw(sheet: NDArray[np.float64], words: Sequence[tuple[str, float, float, f
 
 
 def _tile(column: torch.Tensor) -> torch.Tensor:
-    small = column.shape[-1] <= TILE_PX
+    small = column.shape[-1] <= _TILE_PX
     how = InterpolationMode.NEAREST if small else InterpolationMode.BICUBIC
-    tile: torch.Tensor = resize(column, [TILE_PX, TILE_PX], how, antialias=not small)
+    tile: torch.Tensor = resize(column, [_TILE_PX, _TILE_PX], how, antialias=not small)
     return tile.clamp(0, 1)
 
 
 def _place(number: int, columns: int, group: int, height: int, width: int) -> tuple[int, int]:
     """Return top and left of a portrait."""
     row, column = divmod(number, columns)
-    wide = column // group * (4 * GAP_PX if group > 1 else 0)
-    return GAP_PX + row * (height + LINE_PX + GAP_PX), GAP_PX + column * (width + GAP_PX) + wide
+    wide = column // group * (4 * _GAP_PX if group > 1 else 0)
+    return _GAP_PX + row * (height + _LINE_PX + _GAP_PX), _GAP_PX + column * (
+        width + _GAP_PX
+    ) + wide

@@ -6,14 +6,15 @@ sub-pixel convolutions (two of 2x for 4x), and the mean colour of DIV2K taken aw
 """
 
 from itertools import product
-from typing import Literal
+from typing import Literal, get_args
 
 import torch
 from torch import nn
 from torch.nn import functional as F
 
+from lrsr.configuration import require
 from lrsr.errors import InputError
-from lrsr.sr.networks.network import Network
+from lrsr.sr.networks.network import Network, check_choice
 
 _MEAN_SRGB = (0.4488, 0.4371, 0.4040)
 
@@ -21,6 +22,8 @@ _MEAN_SRGB = (0.4488, 0.4371, 0.4040)
 #: 1.75 (-0.0234), which three pixels cannot hold, is given to the first.
 _QUARTER = (0.203125, 0.8671875, -0.0703125)
 _SMALL = 0.01
+
+_Initialisation = Literal["default", "near-bicubic"]
 
 
 class EDSR(Network):
@@ -51,9 +54,13 @@ class EDSR(Network):
         scale: int = 2,
         blocks: int = 16,
         features: int = 64,
-        initialisation: Literal["default", "near-bicubic"] = "default",
+        initialisation: _Initialisation = "default",
     ) -> None:
         super().__init__()
+        check_choice("initialisation", initialisation, get_args(_Initialisation))
+        numbers = {"scale": scale, "blocks": blocks, "features": features}
+        for name, value in numbers.items():
+            require(type(value) is int, f"module.arguments.{name}", value, "a whole number")
         if scale not in (2, 4) or not 1 <= blocks <= 256 or features < 3:
             got = f"EDSR: scale={scale}, blocks={blocks}, features={features}"
             raise InputError(f"{got}: wanted scale 2 or 4, 1 to 256 blocks, 3 features or more")

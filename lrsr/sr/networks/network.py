@@ -1,10 +1,12 @@
 """What must a super-resolution network say of itself?"""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import ClassVar, Literal
 
 from torch import nn
+
+from lrsr.configuration import require
 
 
 class Network(nn.Module):
@@ -19,3 +21,13 @@ class Network(nn.Module):
 
     input: ClassVar[Literal["luminance", "rgb"]]
     in_use: ClassVar[Mapping[str, object]] = MappingProxyType({})
+
+
+def check_choice(name: str, value: object, choices: Sequence[str]) -> None:
+    """Refuse a word that is no choice of an argument.
+
+    Raises:
+        InputError: It is none.
+    """
+    known = isinstance(value, str) and value in choices
+    require(known, f"module.arguments.{name}", value, f"one of {', '.join(choices)}")

@@ -5,13 +5,13 @@ sizes of the paper's Table 1: 64x1x9x9, 32x64x1x1, 1x32x5x5.
 """
 
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, get_args
 
 import torch
 from torch import nn
 from torch.nn import functional as F
 
-from lrsr.sr.networks.network import Network
+from lrsr.sr.networks.network import Network, check_choice
 
 #: Pixels that the three convolutions take from each side: 4 + 0 + 2.
 _BORDER_PX = 6
@@ -44,6 +44,8 @@ class SRCNN(Network):
         self, *, padding: _Padding = "none", initialisation: _Initialisation = "default"
     ) -> None:
         super().__init__()
+        check_choice("padding", padding, get_args(_Padding))
+        check_choice("initialisation", initialisation, get_args(_Initialisation))
         self.padding: _Padding = padding
         self.extract = nn.Conv2d(1, 64, 9)
         self.map = nn.Conv2d(64, 32, 1)

@@ -6,9 +6,9 @@ import io
 import matplotlib as mpl
 import numpy as np
 import pytest
+from fakes.measures import trace_roc
 from matplotlib.image import imread
 
-from lrsr.evaluation.roc import trace_roc
 from lrsr.experiments.report.figures import draw_intervals, draw_roc
 from lrsr.pages import COLOURS, DASHES
 

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from fakes.measures import fnmr_at_fmr, trace_roc
 
 from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
-from lrsr.evaluation.rates import fnmr_at_fmr
-from lrsr.evaluation.roc import trace_roc
-from lrsr.experiments.report.lines import format_p
+from lrsr.experiments.report.lines import _format_p
 from lrsr.experiments.report.page import Panel, write_report
 
 METHODS = {"base": "Base", "bicubic4": "Bicubic 4", "srcnn4": "SR 4"}
@@ -170,7 +169,7 @@ def test_report_prints_every_paired_test(page: Page) -> None:
     for comparison in make_results((1, 4))["comparisons"]:
         difference = f"{comparison['difference']:+.3f}".replace("-", "−")
         assert difference in page.text
-        shown = format_p(comparison["p"], comparison["log10_p"]).replace("\u00a0", " ")
+        shown = _format_p(comparison["p"], comparison["log10_p"]).replace("\u00a0", " ")
         assert shown in page.text
 
 
@@ -261,7 +260,7 @@ def test_write_report_makes_the_folder_and_returns_the_file(tmp_path: Path) -> N
     ],
 )
 def test_p_values_have_two_digits(p: float, log10_p: float | None, words: str) -> None:
-    assert format_p(p, log10_p).replace("\u00a0", " ") == words
+    assert _format_p(p, log10_p).replace("\u00a0", " ") == words
 
 
 def test_a_sheet_with_uneven_columns_is_refused(tmp_path: Path) -> None:

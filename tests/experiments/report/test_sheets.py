@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from lrsr.errors import ImageContractError
 from lrsr.experiments.report.sheets import (
-    GAP_PX,
-    HEADING_PX,
-    LINE_PX,
-    TILE_PX,
+    _GAP_PX,
+    _HEADING_PX,
+    _LINE_PX,
+    _TILE_PX,
     draw_contact_sheet,
     draw_portraits,
 )
@@ -23,10 +23,10 @@ def test_every_picture_has_its_place() -> None:
     shades = torch.tensor([0.2, 0.6])[:, None, None, None]
     pictures = {"Probe": shades.expand(2, 3, 8, 8), "Reference": 1 - shades.expand(2, 3, 32, 32)}
     sheet = cv2.imdecode(np.frombuffer(draw_contact_sheet(pictures), np.uint8), cv2.IMREAD_COLOR)
-    step = TILE_PX + GAP_PX
-    assert sheet.shape == (HEADING_PX + 2 * step + GAP_PX, 2 * step + GAP_PX, 3)
-    middles = [GAP_PX + TILE_PX // 2 + number * step for number in (0, 1)]
-    found = sheet[np.ix_([HEADING_PX + y for y in middles], middles)][..., 0]
+    step = _TILE_PX + _GAP_PX
+    assert sheet.shape == (_HEADING_PX + 2 * step + _GAP_PX, 2 * step + _GAP_PX, 3)
+    middles = [_GAP_PX + _TILE_PX // 2 + number * step for number in (0, 1)]
+    found = sheet[np.ix_([_HEADING_PX + y for y in middles], middles)][..., 0]
     assert found.tolist() == [[51, 204], [153, 102]]
 
 
@@ -35,8 +35,8 @@ def test_a_small_picture_keeps_its_square_pixels() -> None:
     sheet = cv2.imdecode(
         np.frombuffer(draw_contact_sheet({"a": chequer, "b": chequer}), np.uint8), cv2.IMREAD_COLOR
     )
-    tile = sheet[HEADING_PX + GAP_PX :, GAP_PX:][:TILE_PX, :TILE_PX, 0]
-    expected = np.kron([[0, 255], [255, 0]], np.ones((TILE_PX // 2, TILE_PX // 2)))
+    tile = sheet[_HEADING_PX + _GAP_PX :, _GAP_PX:][:_TILE_PX, :_TILE_PX, 0]
+    expected = np.kron([[0, 255], [255, 0]], np.ones((_TILE_PX // 2, _TILE_PX // 2)))
     np.testing.assert_array_equal(tile, expected)
 
 
@@ -46,8 +46,8 @@ def test_the_sheet_is_as_large_as_its_pictures(columns: int, people: int) -> Non
     white = torch.ones(1, 1, 1, 1).expand(people, 3, 4, 4)
     pictures = {f"method {number}": white for number in range(columns)}
     sheet = cv2.imdecode(np.frombuffer(draw_contact_sheet(pictures), np.uint8), cv2.IMREAD_COLOR)
-    step = TILE_PX + GAP_PX
-    assert sheet.shape == (HEADING_PX + people * step + GAP_PX, columns * step + GAP_PX, 3)
+    step = _TILE_PX + _GAP_PX
+    assert sheet.shape == (_HEADING_PX + people * step + _GAP_PX, columns * step + _GAP_PX, 3)
 
 
 def test_columns_must_show_the_same_people() -> None:
@@ -74,7 +74,7 @@ def test_every_face_is_there_pixel_for_pixel_row_by_row() -> None:
     sheet = drawn(shown, columns=3)
     for number, face in enumerate(shown):
         row, column = divmod(number, 3)
-        y, x = GAP_PX + row * (24 + LINE_PX + GAP_PX), GAP_PX + column * (20 + GAP_PX)
+        y, x = _GAP_PX + row * (24 + _LINE_PX + _GAP_PX), _GAP_PX + column * (20 + _GAP_PX)
         np.testing.assert_array_equal(sheet[y : y + 24, x : x + 20], levels(face))
 
 
@@ -84,8 +84,8 @@ def test_every_face_is_there_pixel_for_pixel_row_by_row() -> None:
 def test_the_sheet_is_as_large_as_its_portraits(width: int, columns: int) -> None:
     # At 100 dpi, matplotlib 3.9 makes 28 of 29 px, 57 of 58, 114 of 115.
     sheet = drawn(faces(2 * columns, 25, width), columns=columns)
-    assert sheet.shape[0] == GAP_PX + 2 * (25 + LINE_PX + GAP_PX) - GAP_PX
-    assert sheet.shape[1] == GAP_PX + columns * (width + GAP_PX)
+    assert sheet.shape[0] == _GAP_PX + 2 * (25 + _LINE_PX + _GAP_PX) - _GAP_PX
+    assert sheet.shape[1] == _GAP_PX + columns * (width + _GAP_PX)
 
 
 def test_few_portraits_make_a_narrow_sheet() -> None:
@@ -94,13 +94,13 @@ def test_few_portraits_make_a_narrow_sheet() -> None:
 
 def test_a_row_that_is_not_full_is_white_at_its_end() -> None:
     sheet = drawn(faces(4), columns=3)
-    assert (sheet[GAP_PX + 24 + LINE_PX :, GAP_PX + 20 + 20 :] == 255).all()
+    assert (sheet[_GAP_PX + 24 + _LINE_PX :, _GAP_PX + 20 + 20 :] == 255).all()
 
 
 def test_there_is_a_line_under_each_face() -> None:
     sheet = drawn(faces(3, 24, 80), columns=3, captions=["one", "", "three"])
-    below = sheet[GAP_PX + 24 : GAP_PX + 24 + LINE_PX]
-    dark = [(below[:, GAP_PX + k * (80 + GAP_PX) :][:, :80] < 128).any() for k in range(3)]
+    below = sheet[_GAP_PX + 24 : _GAP_PX + 24 + _LINE_PX]
+    dark = [(below[:, _GAP_PX + k * (80 + _GAP_PX) :][:, :80] < 128).any() for k in range(3)]
     assert dark == [True, False, True]
 
 
@@ -109,12 +109,12 @@ def test_a_pairs_faces_are_nearer_to_each_other_than_to_the_next_pair() -> None:
     sheet = drawn(shown, columns=4, group=2, captions=[""] * 4)
     dark = np.flatnonzero((sheet < 255).all(axis=2).any(axis=0))
     gaps = np.diff(dark)[np.diff(dark) > 1] - 1
-    assert gaps.tolist() == [GAP_PX, 5 * GAP_PX, GAP_PX]
+    assert gaps.tolist() == [_GAP_PX, 5 * _GAP_PX, _GAP_PX]
 
 
 def test_what_lies_outside_the_range_is_clipped_for_the_picture() -> None:
     face = np.stack([np.full((4, 4), value) for value in (-0.5, 0.5, 1.5)])
-    assert drawn([face])[GAP_PX, GAP_PX].tolist() == [0, 128, 255]
+    assert drawn([face])[_GAP_PX, _GAP_PX].tolist() == [0, 128, 255]
 
 
 def test_the_same_portraits_are_the_same_bytes() -> None:

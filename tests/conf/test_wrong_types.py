@@ -1,0 +1,166 @@
+"""Every setting of every command, given another kind of value, is refused in a line that names it.
+
+Nothing is rendered, trained or written: what a command calls last is replaced.
+"""
+
+import copy
+import functools
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, NoReturn
+
+import pytest
+from hydra import compose, initialize_config_dir
+from hydra.core.hydra_config import HydraConfig
+from hydra.types import RunMode
+from omegaconf import OmegaConf
+
+from lrsr import tasks
+from lrsr.failures import explain
+from lrsr.paths import config_folder
+from lrsr.sr import upscaler
+from lrsr.training import run
+
+COMMANDS = {
+    "render": [
+        *("camera=axis_p1435le", "lighting=lamp", "standpoint=scface_far", "rendering=subsurface"),
+        *("expression=grin", "out=pictures"),
+    ],
+    "render-gallery": ["kind=gallery", "out=pictures"],
+    "render-lens": ["lens=double_gauss", "lighting=above", "out=pictures"],
+    "render-spectral": ["camera=nikon_d5100", "out=pictures"],
+    "eval": ["options=[1,6]"],
+    "identities": [],
+    "fit-camera": ["images=."],
+    "train-srcnn": ["train=srcnn4x"],
+    "train-edsr": ["train=edsr2x", "module.arguments.blocks=1", "module.arguments.features=8"],
+    "train-arcface": ["train=arcface"],
+}
+SHARED = {"identities", "rendering", "lens", "standpoint", "paths", "seed"}
+"""What is read alike in every command, and tried in the first."""
+UNREAD = {
+    "render": {"gallery", "paths.run", "paths.runs"},  # of kind=probe; it writes into out
+    "render-lens": {"gallery", "paths.run", "paths.runs"},
+    "render-spectral": {"gallery"},
+    "render-gallery": {"pose", "lighting", "expression", "ipd_px", "compression"},
+    "fit-camera": {"camera"},  # when the pictures were read
+}
+OF_OTHERS = {
+    *("expression.name", "identities.roster"),  # lrsr.identities takes any text for a name
+    *("logger", "trainer.devices", "module.scheduler", "module.optimizer.weight_decay"),
+}
+WORD, LIST, NAMES, NUMBER = "no-such-word", [1, 2], {"a": 1}, 7
+RIGHT: dict[str, list[Any]] = {
+    "standpoint.distance_m": [None],
+    "standpoint.height_m": [None],
+    "camera.stored.qualities": [LIST],  # compressed twice
+}
+
+
+class DoneError(Exception):
+    """All settings were taken."""
+
+
+def stop(*_: object, **__: object) -> NoReturn:
+    raise DoneError
+
+
+def stop_at_the_trainer(*_: object, folder: Path, trainer: Any, **__: object) -> NoReturn:
+    run._build_trainer(folder, trainer, [], [])
+    stop()
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    for last in (
+        "pictures.to_folder.render_to_folder",
+        "calibration.from_pictures.fit_to_folder",
+        "experiments.verification.Verification.run",
+        "experiments.people.Uniqueness.run",
+    ):
+        monkeypatch.setattr(f"lrsr.{last}", stop)
+    monkeypatch.setattr("lrsr.training.run.train", stop_at_the_trainer)
+    monkeypatch.setattr("lrsr.training.rendered.Rendered.about", lambda _: {})
+    monkeypatch.setattr(tasks, "write_provenance", lambda *_: None)
+    monkeypatch.setattr(upscaler, "read_weights", functools.cache(upscaler.read_weights))
+    hydra = SimpleNamespace(
+        job=SimpleNamespace(config_name="command", num=0),
+        mode=RunMode.RUN,
+        overrides=SimpleNamespace(task=[]),
+    )
+    monkeypatch.setattr(HydraConfig, "get", lambda: hydra)
+
+
+def leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    if isinstance(node, dict) and node:
+        for key, inner in node.items():
+            if not key.startswith("_"):
+                yield from leaves(inner, (*path, key))
+    else:
+        yield path, node
+
+
+def of_other_kinds(value: object) -> list[Any]:
+    if isinstance(value, bool):
+        return [WORD, NUMBER, LIST]
+    if isinstance(value, int | float):
+        return [WORD, LIST, NAMES, None, True]
+    if isinstance(value, str):
+        return [LIST, NAMES, True]
+    if isinstance(value, list):
+        return [WORD, NAMES, True, [NAMES]]
+    return [NAMES, True] if value is None else [WORD, LIST]
+
+
+def attempt(command: str, plain: Any, word: str) -> str | None:
+    """Return the line that the command refuses with; None if it takes everything."""
+    name = command.split("-")[0] if command != "fit-camera" else command
+    task = getattr(tasks, f"run_{name.replace('-', '_')}")
+    try:
+        task(OmegaConf.create(plain))
+    except DoneError:
+        return None
+    except Exception as error:
+        status, line = explain(error, [word])
+        return line if status == 2 else f"fault: {line}"
+    raise AssertionError("the command went past its last step")
+
+
+def is_below(key: str, others: set[str]) -> bool:
+    return any(key == other or key.startswith(f"{other}.") for other in others)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
+    name = command if command == "fit-camera" else command.split("-")[0]
+    count = 20 if command == "fit-camera" else 2
+    with initialize_config_dir(str(config_folder()), version_base="1.3"):
+        config = compose(name, [*COMMANDS[command], f"identities.count={count}"])
+    plain: Any = OmegaConf.to_container(config, resolve=False)
+    assert attempt(command, copy.deepcopy(plain), "") is None
+    skipped = UNREAD.get(command, set()) | OF_OTHERS
+    if command not in ("render", "render-lens"):
+        skipped |= SHARED
+    wrong = []
+    for path, value in leaves(plain):
+        key = ".".join(path)
+        if is_below(key, skipped) or (isinstance(value, str) and "${" in value):
+            continue
+        for other in of_other_kinds(value):
+            if other in RIGHT.get(key, ()):
+                continue
+            changed = copy.deepcopy(plain)
+            functools.reduce(dict.__getitem__, path[:-1], changed)[path[-1]] = other
+            line = attempt(command, changed, f"{key}={other}")
+            if line is None or line.startswith("fault") or not says(line, path):
+                wrong.append(f"{key}={other}: {line}")
+    assert not wrong, "\n".join(wrong)
+
+
+def says(line: str, path: tuple[str, ...]) -> bool:
+    """A part of a list, or a preset chosen by a word, is told by what it is part of."""
+    presets = {"methods": "sr=", "gallery_lighting": "lighting", "probe_lighting": "lighting"}
+    parts = [*path[-2:], presets.get(path[-1], path[-1])]
+    return "\n" not in line and any(part.rstrip("s") in line for part in parts)

@@ -1,0 +1,31 @@
+"""The measures of scores that are all at hand, which those of streams must agree with."""
+
+from numpy.typing import ArrayLike
+
+from lrsr.evaluation.arrays import check_finite, check_scores
+from lrsr.evaluation.placements import place
+from lrsr.evaluation.rates import OperatingPoint, _Moments, _operating_point, _separation
+from lrsr.evaluation.roc import RocCurve, trace_roc_of
+
+
+def trace_roc(genuine: ArrayLike, impostor: ArrayLike) -> RocCurve:
+    return trace_roc_of(place(genuine, impostor))
+
+
+def fnmr_at_fmr(
+    genuine: ArrayLike, impostor: ArrayLike, target_fmr: float, level: float = 0.95
+) -> OperatingPoint:
+    genuine, impostor = check_scores(genuine, "genuine"), check_scores(impostor, "impostor")
+    check_finite(genuine, "genuine")
+    check_finite(impostor, "impostor")
+    return _operating_point(genuine, impostor, impostor.size, target_fmr, level)
+
+
+def d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:
+    moments = []
+    for scores, name in ((genuine, "genuine"), (impostor, "impostor")):
+        checked = check_scores(scores, name, at_least=2)
+        check_finite(checked, name)
+        moments.append(_Moments())
+        moments[-1].add(checked)
+    return _separation(*moments)
