@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+import numpy as np
 import torch
 
 from lrsr.errors import InputError
@@ -131,9 +132,9 @@ def write_manifest(folder: Path, entries: Iterable[Entry]) -> Path:
 def _text(value: object) -> str:
     if value is None:
         return ""
-    if isinstance(value, tuple):
-        return " ".join(f"{x:.4f}" for x in value)
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if isinstance(value, tuple):  # as exact as the points of a picture are: float32
+        return " ".join(str(np.float32(x)).removesuffix(".0") for x in value)
+    return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
 
 
 def read_folder(folder: Path) -> list[Entry]:

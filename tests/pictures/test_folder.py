@@ -207,8 +207,8 @@ def test_an_empty_manifest_has_no_rows(folder: Path) -> None:
         (",8,2,", ",nan,2,", r"line 2: nan is not a finite number"),
         (",8,2,", ",8,2.5,", r"line 2: 2\.5 is not a whole number"),
         (",8,2,", ",8,0,", r"line 2: scale=0: wanted a number >= 1"),
-        ("0.1250 ", "", r"line 2: landmarks_px holds 9 numbers, wanted 10"),
-        ("0.1250 ", "inf ", r"line 2: inf is not a finite number"),
+        ("0.125 ", "", r"line 2: landmarks_px holds 9 numbers, wanted 10"),
+        ("0.125 ", "inf ", r"line 2: inf is not a finite number"),
         ('"above, a bit"', '"above" a bit', r"manifest\.csv, line 2: ',' expected after '\"'"),
     ],
     ids=lambda value: value[:12],
@@ -285,6 +285,19 @@ def test_a_picture_says_who_it_shows_and_where_the_face_is(tmp_path: Path) -> No
     assert picture.landmarks_px is not None
     assert picture.landmarks_px.flatten().tolist() == list(ROW.landmarks_px or ())
     assert read_picture(tmp_path, replace(ROW, landmarks_px=None)).landmarks_px is None
+
+
+def test_no_digit_is_lost_on_the_way(tmp_path: Path) -> None:
+    points = torch.rand(5, 2, generator=torch.Generator().manual_seed(1)) * 100
+    numbers = tuple(points.flatten().tolist())
+    row = replace(ROW, landmarks_px=numbers, ipd_px=8.123456789, yaw_deg=-1e-7, pitch_deg=20.0)
+    write_png(tmp_path / row.file, torch.zeros(3, 4, 4))
+    write_manifest(tmp_path, [row])
+    (read,) = read_manifest(tmp_path)
+    assert (read.ipd_px, read.yaw_deg, read.pitch_deg) == (8.123456789, -1e-7, 20.0)
+    found = read_picture(tmp_path, read).landmarks_px
+    assert found is not None
+    assert torch.equal(found, points)
 
 
 def test_a_file_that_is_no_picture_is_named(folder: Path) -> None:
