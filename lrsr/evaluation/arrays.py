@@ -1,5 +1,8 @@
 """Whose numbers are these? Lists, tensors and arrays of any origin become plain NumPy arrays."""
 
+from contextlib import suppress
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -42,7 +45,7 @@ def plain_array(
     if _is_masked(values):
         raise error(f"{name} are masked in part: leave out what is masked, or give NaN for it")
     try:
-        array = np.asarray(_detached(values) if hasattr(values, "detach") else values)
+        array = np.asarray(_detached(values))
     except (TypeError, ValueError, RuntimeError, OverflowError) as cause:
         reason = str(cause).partition("\n")[0]
         raise error(f"{name} make no array ({reason}): give {wanted}") from cause
@@ -60,13 +63,31 @@ def _is_masked(values: Any) -> bool:
     return bool(np.ma.is_masked(values))
 
 
-def _detached(tensor: Any) -> Any:
-    """Return a tensor's values as an array; what NumPy has no dtype for (bfloat16) as float32."""
-    strided = tensor.detach().to_dense()
+def _detached(values: Any) -> Any:
+    """Return tensors' values as arrays; what NumPy has no dtype for (bfloat16) as float32."""
+    if isinstance(values, (list, tuple)) and any(hasattr(value, "detach") for value in values):
+        return [_detached(value) for value in values]
+    if not hasattr(values, "detach"):
+        return values
+    strided = values.detach().to_dense()
     try:
         return strided.numpy(force=True)
     except TypeError:
         return strided.float().numpy(force=True)
+
+
+def plain_number(value: Any, name: str, *, error: type[InputError] = ScoreError) -> float:
+    """Return one finite number of any width and origin; ``name`` is what the message calls it.
+
+    Raises:
+        InputError: It is none. Of the class ``error``.
+    """
+    exact = isinstance(value, (Decimal, Fraction))
+    with suppress(ScoreError, OverflowError):
+        array = plain_array(float(value) if exact else value, name, kinds="iuf")
+        if array.ndim == 0 and np.isfinite(array):
+            return float(array)
+    raise error(f"{name} is {value!r}: wanted a number")
 
 
 def check_scores(scores: Any, name: str, *, at_least: int = 1) -> Array:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.delong import normal_quantile
+from lrsr.evaluation.arrays import plain_array, plain_number
+from lrsr.evaluation.delong import check_level, normal_quantile
 from lrsr.evaluation.placements import Ints, Placements, place
 
 _Floats = NDArray[np.float64]
@@ -144,10 +145,11 @@ def wilson_interval(
         >>> round(float(low), 4), round(float(high), 4)
         (0.0, 0.2775)
     """
-    hits = np.asarray(successes, dtype=np.float64)
-    if trials < 1 or (hits < 0).any() or (hits > trials).any():
+    hits = plain_array(successes, "successes").astype(np.float64)
+    trials = plain_number(trials, "trials")
+    if trials < 1 or not ((hits >= 0) & (hits <= trials)).all():
         raise ScoreError(
-            f"{hits} successes in {trials} trials: wanted at least 1, and 0 to as many"
+            f"{hits} successes in {trials:g} trials: wanted at least 1, and 0 to as many"
         )
     square = normal_quantile(level) ** 2
     centre = (hits + square / 2) / (trials + square)
@@ -175,7 +177,7 @@ def band(curve: RocCurve, level: float = 0.95) -> RocBand:
     Raises:
         ScoreError: The level lies outside (0, 1).
     """
-    normal_quantile(level)
+    level = check_level(level)
     each = math.sqrt(level)
     top = np.append(np.diff(curve.false_matches) > 0, True)  # of the upright pieces
     fmr_low, fmr_high = wilson_interval(curve.false_matches[top], curve.n_impostor, each)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.arrays import Array
+from lrsr.evaluation.arrays import Array, plain_number
 from lrsr.evaluation.placements import Classes, Ints, Placements, class_placements
 from lrsr.evaluation.scores import Index, ScoreSource, Tile
 
@@ -162,6 +162,7 @@ def bootstrap_aucs(
         >>> np.quantile(drawn, [0.025, 0.975]).round(2).tolist()
         [0.73, 0.88]
     """
+    replicates = int(plain_number(replicates, "replicates"))
     if not methods or replicates < 2:
         raise ScoreError(f"{len(methods)} methods, {replicates} replicates: wanted >= 1 and >= 2")
     first = next(iter(methods.values()))
