@@ -20,6 +20,7 @@ def plain_array(
     kinds: str = "biuf",
     wanted: str = "float32, float64 or integers",
     error: type[InputError] = ScoreError,
+    masked: float | None = None,
 ) -> Array:
     """Return numbers as a native NumPy array, exactly; what would have to be guessed is refused.
 
@@ -33,6 +34,7 @@ def plain_array(
         kinds: NumPy's letters of the kinds of numbers that are taken.
         wanted: The remedy that the message gives where the dtype is another.
         error: What is raised.
+        masked: What stands for a masked value; None: it is refused.
 
     Raises:
         InputError: A value is masked, the values make no array, or their dtype is not taken:
@@ -42,6 +44,8 @@ def plain_array(
         >>> plain_array(np.array([1, 2], ">i2"), "scores")
         array([1, 2], dtype=int16)
     """
+    if masked is not None and _is_masked(values):
+        values = np.ma.filled(np.ma.asarray(values).astype(np.float64), masked)
     if _is_masked(values):
         raise error(f"{name} are masked in part: leave out what is masked, or give NaN for it")
     try:
