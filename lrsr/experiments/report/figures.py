@@ -102,7 +102,7 @@ def draw_angles(angles_deg: ArrayLike, smallest_angle_deg: float, encoder: str) 
         axes.grid(visible=True, axis="y")
         axes.set_axisbelow(True)
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-        axes.legend()
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)  # over no bar
         return png_bytes(figure)
 
 
