@@ -146,17 +146,17 @@ def wilson_interval(
         (0.0, 0.2775)
     """
     hits = plain_array(successes, "successes").astype(np.float64)
-    trials = plain_number(trials, "trials")
-    if trials < 1 or not ((hits >= 0) & (hits <= trials)).all():
+    count = plain_number(trials, "trials")
+    if count < 1 or not ((hits >= 0) & (hits <= count)).all():
         raise ScoreError(
-            f"{hits} successes in {trials:g} trials: wanted at least 1, and 0 to as many"
+            f"{hits} successes in {count:g} trials: wanted at least 1, and 0 to as many"
         )
     square = normal_quantile(level) ** 2
-    centre = (hits + square / 2) / (trials + square)
-    spread = hits * (trials - hits) / trials + square / 4
-    half = np.sqrt(square * spread) / (trials + square)
+    centre = (hits + square / 2) / (count + square)
+    spread = hits * (count - hits) / count + square / 4
+    half = np.sqrt(square * spread) / (count + square)
     low = np.where(hits == 0, 0.0, centre - half)
-    high = np.where(hits == trials, 1.0, centre + half)
+    high = np.where(hits == count, 1.0, centre + half)
     return low, high
 
 
