@@ -118,14 +118,15 @@ def choose_variant(candidates: Sequence[Path] | None = None) -> _Backend:
 def _find_llvm() -> list[Path]:
     """List the LLVM libraries worth trying, best first, each file once.
 
-    ``$DRJIT_LIBLLVM_PATH``; what pip installed into this environment (karellen-llvm-core); the
-    system's, newest first.
+    ``$DRJIT_LIBLLVM_PATH``; what pip installed into this environment (karellen-llvm-core) or one
+    whose packages it uses; the system's, newest first.
     """
     found: list[Path] = []
     if given := os.environ.get("DRJIT_LIBLLVM_PATH"):
         found.append(Path(given))
-    environment = {Path(sys.prefix) / "lib", Path(sysconfig.get_paths()["purelib"]).parents[1]}
-    for folder in sorted(environment):
+    packages = [Path(place) for place in (sysconfig.get_paths()["purelib"], *sys.path)]
+    beside = [place.parent.parent for place in packages if place.name.endswith("-packages")]
+    for folder in dict.fromkeys([Path(sys.prefix) / "lib", *beside]):
         found += _newest_first(_libraries(folder))
     system = [path for name in _SYSTEM_FOLDERS for path in _libraries(Path(name))]
     found += _newest_first(system)
