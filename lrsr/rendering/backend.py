@@ -37,6 +37,8 @@ if hasattr(os, "register_at_fork"):  # no child is born with the lock held by a 
     )
 
 _VARIANTS = ("cuda_ad_rgb", "llvm_ad_rgb", "scalar_rgb", "cuda_ad_spectral", "llvm_ad_spectral")
+_GIVEN_UP: set[tuple[str, int]] = set()
+"""What took too long, and in which process."""
 _PROBE_SECONDS = 120
 """A candidate that has not rendered a triangle by then counts as broken."""
 
@@ -240,13 +242,16 @@ def _probe(variant: str, library: Path | None, stamp: str) -> str:
     versions = [version("mitsuba"), version("drjit"), _PROBE]
     key = hashlib.sha256("\n".join([variant, stamp, *versions]).encode()).hexdigest()[:16]
     record = cache_folder() / "backend" / f"{key}.json"
+    if (key, os.getpid()) in _GIVEN_UP:
+        return _TIMED_OUT
     try:
         return str(json.loads(record.read_text())["fault"])
     except (OSError, ValueError, KeyError, TypeError):
         pass
     fault = _run_probe(variant, library)
-    if fault == _TIMED_OUT:
-        return fault  # a busy machine says nothing about the library
+    if fault == _TIMED_OUT:  # a busy machine says nothing about the library
+        _GIVEN_UP.add((key, os.getpid()))  # but a process keeps to one variant: it names pictures
+        return fault
     try:
         write_json(record, {"variant": variant, "stamp": stamp, "fault": fault})
     except InputError as error:

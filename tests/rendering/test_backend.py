@@ -97,13 +97,15 @@ def test_a_broken_record_is_asked_again(tmp_path: Path, children: list) -> None:
     assert len(children) == 2
 
 
-def test_a_timeout_is_not_remembered(
+def test_a_timeout_is_remembered_by_its_process_alone(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, children: list
 ) -> None:
     good = library(tmp_path, "good.so")
     with monkeypatch.context() as busy:
         busy.setattr(backend, "_run_probe", lambda *_: backend._TIMED_OUT)
         assert choose_variant([good]).variant == "scalar_rgb"
+    assert choose_variant([good]).variant == "scalar_rgb"  # what names the pictures of a process
+    monkeypatch.setattr(backend, "_GIVEN_UP", set())
     assert choose_variant([good]).variant == "llvm_ad_rgb"
 
 
