@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import fields
 from datetime import datetime
+from decimal import Decimal
 from functools import lru_cache
 from numbers import Integral, Real
 from pathlib import Path
@@ -184,6 +185,8 @@ def _listed(value: object) -> list[object]:
 def as_number(value: object, name: str) -> float:
     """Return any finite real number as a float; ``name`` is what the message calls it.
 
+    Arrays and tensors without axes are numbers, too.
+
     Raises:
         InputError: It is none.
 
@@ -191,9 +194,11 @@ def as_number(value: object, name: str) -> float:
         >>> as_number(8, "ipd_px")
         8.0
     """
+    number = _unboxed(value)
     with suppress(OverflowError):  # of a whole number of 310 digits
-        if not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value):
-            return float(value)
+        real = isinstance(number, Real | Decimal) and not isinstance(number, bool)
+        if real and math.isfinite(number):
+            return float(number)
     raise InputError(f"{name}={_typed(value)}: wanted a number")
 
 
@@ -203,9 +208,19 @@ def as_whole(value: object, name: str) -> int:
     Raises:
         InputError: It is none.
     """
-    if isinstance(value, bool) or not isinstance(value, Integral):
+    number = _unboxed(value)
+    if isinstance(number, bool) or not isinstance(number, Integral):
         raise InputError(f"{name}={_typed(value)}: wanted a whole number")
-    return int(value)
+    return int(number)
+
+
+def _unboxed(value: Any) -> Any:
+    """Return the number that a NumPy scalar, or an array or a tensor without axes, holds."""
+    if getattr(value, "ndim", None) != 0 or getattr(value, "mask", False):
+        return value
+    with suppress(RuntimeError):  # of a tensor without data
+        return value.item()
+    return value
 
 
 def as_flag(value: object, name: str) -> bool:

@@ -18,7 +18,8 @@ from math import ceil, isfinite
 import torch
 from torch.nn import functional as F
 
-from lrsr.errors import ImageContractError, NonFiniteError
+from lrsr.configuration import as_number
+from lrsr.errors import ImageContractError, InputError, NonFiniteError
 
 _RANGE_TOLERANCE = 1e-5
 """How far float32 arithmetic may have carried an srgb value out of [0, 1]."""
@@ -34,13 +35,15 @@ def check_images(images: torch.Tensor, *, channels: int = 3, name: str = "images
     """Return ``images`` unchanged if they are ``(B, channels, H, W)`` float32 and finite.
 
     Raises:
-        ImageContractError: No tensor, wrong number of dimensions or channels, an empty side, or
-            another dtype.
+        ImageContractError: No tensor, a sparse one or one without values, wrong number of
+            dimensions or channels, an empty side, or another dtype.
         NonFiniteError: A NaN or an infinity; the message says where the first one is.
     """
     if not isinstance(images, torch.Tensor):
         raise ImageContractError(f"{name}: got {type(images).__name__}, wanted a torch.Tensor")
     shape, dtype = tuple(images.shape), images.dtype
+    if images.layout != torch.strided or images.is_meta:
+        raise ImageContractError(f"{name}: got a tensor without plain values; give .to_dense()")
     if len(shape) != 4 or shape[1] != channels or 0 in shape:
         raise ImageContractError(f"{name}: got shape {shape}, wanted (B, {channels}, H, W)")
     if dtype != torch.float32:
@@ -165,7 +168,7 @@ def scale_points(points: torch.Tensor, scale: float) -> torch.Tensor:
         >>> scale_points(torch.tensor([0.0, 1.0]), 2).tolist()
         [0.5, 2.5]
     """
-    return scale * (points + 0.5) - 0.5
+    return as_number(scale, "scale") * (points + 0.5) - 0.5
 
 
 def resize_bicubic(images: torch.Tensor, scale: float) -> torch.Tensor:
@@ -190,8 +193,11 @@ def resize_bicubic(images: torch.Tensor, scale: float) -> torch.Tensor:
         >>> resize_bicubic(torch.tensor([[[[0.0, 1.0]]]]), 2).mul(1000).round()[0, 0, 0].tolist()
         [-70.0, 203.0, 797.0, 1070.0]
     """
-    check_images(images, channels=images.shape[1] if images.ndim == 4 else 3)
-    ratio = Fraction(scale).limit_denominator(1000)
+    check_images(images, channels=images.shape[1] if getattr(images, "ndim", 0) == 4 else 3)
+    try:
+        ratio = Fraction(as_number(scale, "scale")).limit_denominator(1000)
+    except InputError as error:
+        raise ImageContractError(str(error)) from error
     height, width = (size * ratio for size in images.shape[-2:])
     if ratio <= 0 or height.denominator != 1 or width.denominator != 1:
         raise ImageContractError(

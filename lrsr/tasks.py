@@ -3,6 +3,8 @@
 Every task returns the folder that holds its result; the command line prints it last.
 """
 
+import logging
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 
     from lrsr.pictures.cache import RenderCache
 
+logger = logging.getLogger(__name__)
+
 
 def run_eval(config: "DictConfig") -> Path:
     """Run an experiment: the class that its ``_target_`` names.
@@ -48,6 +52,7 @@ run_demo = run_identities = run_eval
 
 _OF_PROBES = ("ipd_px", "options", "conditions", "lens", "standpoint", "camera")
 _OF_PEOPLE = ("identities", "rendering")
+_OF_SCENES = ("pose", "lighting", "lens", "standpoint", "expression", "ipd_px", "compression")
 
 
 def _refuse_unread(config: "DictConfig") -> None:
@@ -56,16 +61,30 @@ def _refuse_unread(config: "DictConfig") -> None:
     Raises:
         InputError: A setting would not be read.
     """
-    from hydra.core.hydra_config import HydraConfig  # loaded by then
     from omegaconf import OmegaConf
 
     keys = ("probes", "gallery")
     folders = [key for key in keys if OmegaConf.select(config, f"{key}.folder") is not None]
     unread = [*(_OF_PROBES if "probes" in folders else ()), *(_OF_PEOPLE if folders[1:] else ())]
-    for word in HydraConfig.get().overrides.task:
-        key = word.lstrip("+~").partition("=")[0]
-        if key.replace("/", ".").split(".")[0] in unread:
-            raise InputError(f"{key}: photographs in {folders[0]}.folder are as they are; leave it")
+    for key in _typed_of(unread):
+        raise InputError(f"{key}: photographs in {folders[0]}.folder are as they are; leave it")
+
+
+def _tell_unread(kind: str) -> None:
+    """Say which words of ``lrsr render`` change nothing, as enrolled pictures have their own."""
+    unread = _OF_SCENES if kind == "gallery" else ("gallery",)
+    for key in _typed_of(unread):
+        logger.warning(
+            "%s changes nothing where kind=%s (gallery.* is for kind=gallery)", key, kind
+        )
+
+
+def _typed_of(sections: Collection[str]) -> list[str]:
+    """Return which settings of some sections were typed."""
+    from hydra.core.hydra_config import HydraConfig  # loaded by then
+
+    keys = [word.lstrip("+~").partition("=")[0] for word in HydraConfig.get().overrides.task]
+    return [key for key in keys if key.replace("/", ".").split(".")[0] in sections]
 
 
 def run_render(config: "DictConfig") -> Path:
@@ -96,6 +115,7 @@ def run_render(config: "DictConfig") -> Path:
         scales=whole_numbers(config, "scales"),
         png16=flag(config, "png16"),
     )
+    _tell_unread(str(config.kind))
     make_folder(out)
     folder = render_to_folder(settings, _cache(config)).parent
     write_provenance(folder, config)

@@ -1,13 +1,19 @@
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+import torch
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from lrsr.configuration import (
     LARGEST_SEED,
+    as_number,
+    as_whole,
     flag,
     number,
     numbered,
@@ -68,6 +74,44 @@ def test_numbers_are_numbers() -> None:
     settings = config(level=0.95, seed=7)
     assert number(settings, "level") == 0.95
     assert whole_number(settings, "seed") == 7
+
+
+@pytest.mark.parametrize(
+    "seven",
+    [np.int8(7), np.array(7), torch.tensor(7), np.uint64(7)],
+    ids=lambda v: type(v).__name__,
+)
+def test_a_number_may_be_of_any_width(seven: object) -> None:
+    assert as_whole(seven, "seed") == 7
+    assert type(as_whole(seven, "seed")) is int
+    assert type(as_number(seven, "level")) is float
+
+
+@pytest.mark.parametrize(
+    "half",
+    [
+        Decimal("0.5"),
+        Fraction(1, 2),
+        np.float16(0.5),
+        torch.tensor(0.5, requires_grad=True),
+        torch.tensor(0.5).bfloat16(),
+    ],
+    ids=repr,
+)
+def test_a_fraction_may_be_of_any_width_and_is_no_whole_number(half: object) -> None:
+    assert as_number(half, "level") == 0.5
+    with pytest.raises(InputError, match="wanted a whole number"):
+        as_whole(half, "seed")
+
+
+@pytest.mark.parametrize(
+    "value", [np.ma.masked, torch.empty((), device="meta"), np.array([7]), np.bool_(True)], ids=repr
+)
+def test_what_holds_no_number_is_none(value: object) -> None:
+    with pytest.raises(InputError, match="wanted a number"):
+        as_number(value, "level")
+    with pytest.raises(InputError, match="wanted a whole number"):
+        as_whole(value, "seed")
 
 
 @pytest.mark.parametrize("value", ["high", True, None, [1]])

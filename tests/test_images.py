@@ -1,6 +1,7 @@
 """Every line of the image contract."""
 
 from collections.abc import Callable
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -66,6 +67,14 @@ def test_a_non_finite_pixel_is_named_by_its_place(value: float) -> None:
     images[1, 2, 3, 4] = value
     with pytest.raises(NonFiniteError, match=r"in image 1, channel 2, \(4, 3\)"):
         check_images(images)
+
+
+@pytest.mark.parametrize("strange", ["sparse", "meta"])
+def test_what_has_no_plain_values_is_refused(strange: str) -> None:
+    images = noise(1, 3, 4, 4)
+    given = images.to_sparse() if strange == "sparse" else images.to("meta")
+    with pytest.raises(ImageContractError, match="without plain values"):
+        check_images(given)
 
 
 def test_the_number_of_channels_is_an_argument() -> None:
@@ -253,6 +262,27 @@ def test_bicubic_commutes_with_luminance() -> None:
 def test_bicubic_refuses_a_size_that_is_not_whole(scale: float) -> None:
     with pytest.raises(ImageContractError, match="is not a whole size"):
         resize_bicubic(torch.zeros(1, 3, 8, 8), scale)
+
+
+@pytest.mark.parametrize(
+    "two", [np.float32(2), np.array(2), torch.tensor(2), Fraction(2)], ids=repr
+)
+def test_a_scale_may_be_of_any_width(two: float) -> None:
+    images, points = noise(1, 3, 4, 4), noise(5, 2)
+    assert torch.equal(resize_bicubic(images, two), resize_bicubic(images, 2))
+    assert torch.equal(scale_points(points, two), scale_points(points, 2))
+
+
+@pytest.mark.parametrize("scale", [None, "2", float("nan"), float("inf"), [2], True], ids=repr)
+def test_a_scale_is_a_number(scale: float) -> None:
+    with pytest.raises(ImageContractError, match=r"scale=.*: wanted a number"):
+        resize_bicubic(noise(1, 3, 4, 4), scale)
+
+
+@pytest.mark.parametrize("images", [None, [[[[0.5]]]]])
+def test_bicubic_refuses_what_is_no_tensor(images: torch.Tensor) -> None:
+    with pytest.raises(ImageContractError, match=r"wanted a torch\.Tensor"):
+        resize_bicubic(images, 2)
 
 
 def test_bicubic_refuses_a_single_image() -> None:

@@ -34,3 +34,26 @@ def test_what_photographs_make_needless_is_refused(
         return
     with pytest.raises(InputError, match=r"photographs in probes\.folder are as they are"):
         tasks._refuse_unread(config)
+
+
+@pytest.mark.parametrize(
+    ("kind", "word", "told"),
+    [
+        ("gallery", "pose=left", True),
+        ("gallery", "ipd_px=11", True),
+        ("gallery", "gallery.pose=left", False),
+        ("probe", "gallery.pose=left", True),
+        ("probe", "pose=left", False),
+    ],
+)
+def test_words_that_change_nothing_are_told(
+    kind: str,
+    word: str,
+    told: bool,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    runtime = SimpleNamespace(overrides=SimpleNamespace(task=["out=x", word]))
+    monkeypatch.setattr("hydra.core.hydra_config.HydraConfig.get", lambda: runtime)
+    tasks._tell_unread(kind)
+    assert (f"{word.partition('=')[0]} changes nothing where kind={kind}" in caplog.text) == told

@@ -11,6 +11,7 @@ import torch
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, ScalarFormatter
 
 from lrsr.calibration.fit import Fit
 from lrsr.calibration.parameters import lens_blur_px
@@ -206,6 +207,8 @@ def _draw_fit(fit: Fit) -> bytes:
         differences.axhline(0, color="black", linewidth=0.6)
         _name_groups(differences)
         differences.set_yscale("symlog", linthresh=3)
+        differences.yaxis.set_major_locator(FixedLocator([-100, -30, -10, -2, 0, 2, 10, 30, 100]))
+        differences.yaxis.set_major_formatter(ScalarFormatter())
         differences.set(ylabel="Difference from real, in σ of chance", title="Every statistic")
         spectrum.legend()
         return png_bytes(figure)

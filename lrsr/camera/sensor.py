@@ -15,10 +15,12 @@ import math
 from collections.abc import Sequence
 from functools import lru_cache
 
+import numpy as np
 import torch
 from torch import nn
 
 from lrsr.camera.checks import check_flag, check_light, check_origin, number, whole
+from lrsr.configuration import as_whole
 from lrsr.errors import InputError
 
 _PATTERN_PX = 256
@@ -156,10 +158,11 @@ def _noise_generator(seed: int, frame: int = 0) -> torch.Generator:
 
 
 def _each(seeds: Sequence[int] | None, count: int) -> Sequence[int]:
-    if seeds is None or len(seeds) != count:
-        got = "none" if seeds is None else len(seeds)
+    given = list(seeds) if np.ndim(seeds) and not isinstance(seeds, str) else []  # type: ignore[arg-type]
+    if len(given) != count:
+        got = len(given) or "none"
         raise InputError(f"seeds: got {got} for {count} noisy images, wanted one for each")
-    return seeds
+    return [as_whole(seed, "seeds") for seed in given]
 
 
 def _shot(

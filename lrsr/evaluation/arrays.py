@@ -1,5 +1,8 @@
 """Whose numbers are these? Lists, tensors and arrays of any origin become plain NumPy arrays."""
 
+from contextlib import suppress
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -17,6 +20,7 @@ def plain_array(
     kinds: str = "biuf",
     wanted: str = "float32, float64 or integers",
     error: type[InputError] = ScoreError,
+    masked: float | None = None,
 ) -> Array:
     """Return numbers as a native NumPy array, exactly; what would have to be guessed is refused.
 
@@ -30,6 +34,7 @@ def plain_array(
         kinds: NumPy's letters of the kinds of numbers that are taken.
         wanted: The remedy that the message gives where the dtype is another.
         error: What is raised.
+        masked: What stands for a masked value; None: it is refused.
 
     Raises:
         InputError: A value is masked, the values make no array, or their dtype is not taken:
@@ -39,10 +44,12 @@ def plain_array(
         >>> plain_array(np.array([1, 2], ">i2"), "scores")
         array([1, 2], dtype=int16)
     """
+    if masked is not None and _is_masked(values):
+        values = np.ma.filled(np.ma.asarray(values).astype(np.float64), masked)
     if _is_masked(values):
         raise error(f"{name} are masked in part: leave out what is masked, or give NaN for it")
     try:
-        array = np.asarray(_detached(values) if hasattr(values, "detach") else values)
+        array = np.asarray(_detached(values))
     except (TypeError, ValueError, RuntimeError, OverflowError) as cause:
         reason = str(cause).partition("\n")[0]
         raise error(f"{name} make no array ({reason}): give {wanted}") from cause
@@ -60,13 +67,31 @@ def _is_masked(values: Any) -> bool:
     return bool(np.ma.is_masked(values))
 
 
-def _detached(tensor: Any) -> Any:
-    """Return a tensor's values as an array; what NumPy has no dtype for (bfloat16) as float32."""
-    strided = tensor.detach().to_dense()
+def _detached(values: Any) -> Any:
+    """Return tensors' values as arrays; what NumPy has no dtype for (bfloat16) as float32."""
+    if isinstance(values, (list, tuple)) and any(hasattr(value, "detach") for value in values):
+        return [_detached(value) for value in values]
+    if not hasattr(values, "detach"):
+        return values
+    strided = values.detach().to_dense()
     try:
         return strided.numpy(force=True)
     except TypeError:
         return strided.float().numpy(force=True)
+
+
+def plain_number(value: Any, name: str, *, error: type[InputError] = ScoreError) -> float:
+    """Return one finite number of any width and origin; ``name`` is what the message calls it.
+
+    Raises:
+        InputError: It is none. Of the class ``error``.
+    """
+    exact = isinstance(value, (Decimal, Fraction))
+    with suppress(ScoreError, OverflowError):
+        array = plain_array(float(value) if exact else value, name, kinds="iuf")
+        if array.ndim == 0 and np.isfinite(array):
+            return float(array)
+    raise error(f"{name} is {value!r}: wanted a number")
 
 
 def check_scores(scores: Any, name: str, *, at_least: int = 1) -> Array:

@@ -13,13 +13,14 @@ pairs, use :mod:`lrsr.evaluation.subjects`.
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import log_ndtr, ndtri
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.arrays import check_scores
+from lrsr.evaluation.arrays import check_scores, plain_number
 from lrsr.evaluation.placements import BLOCK, Ints, Placements, class_placements, place
 
 
@@ -168,6 +169,7 @@ def _auc_interval(
     Raises:
         ScoreError: The level lies outside (0, 1).
     """
+    level = check_level(level)
     reach = normal_quantile(level) * std
     logit_low = logit_high = None
     if 0 < auc < 1 and std > 0:
@@ -278,17 +280,18 @@ class DifferenceSums:
         Raises:
             ScoreError: Fewer than two scores of a kind, or a level outside (0, 1).
         """
-        quantile, m, n = normal_quantile(level), a.genuine.size, a.n_impostor
+        level, m, n = check_level(level), a.genuine.size, a.n_impostor
         _check_numbers(m, n)
         shift = a.of_genuine - b.of_genuine
         # The sum over genuine placements and that over impostor placements are both 2 m n AUC.
         difference = float(Fraction(int(shift.sum()), 2 * m * n))
         variance = _variance_of_mean(shift, np.ones_like(shift)) / (2 * n) ** 2
         variance += _variance_from_sums(self.total, self.squares, n) / (2 * m) ** 2
-        return _compare(difference, math.sqrt(variance), quantile, level)
+        return _compare(difference, math.sqrt(variance), level)
 
 
-def _compare(difference: float, std: float, quantile: float, level: float) -> AucComparison:
+def _compare(difference: float, std: float, level: float) -> AucComparison:
+    reach = normal_quantile(level) * std
     z = difference / std if std > 0 else 0.0
     if std == 0 and difference:
         z = math.copysign(math.inf, difference)
@@ -298,8 +301,8 @@ def _compare(difference: float, std: float, quantile: float, level: float) -> Au
         z=z,
         p=math.erfc(abs(z) / math.sqrt(2)),
         log10_p=log_p / math.log(10),
-        low=difference - quantile * std,
-        high=difference + quantile * std,
+        low=difference - reach,
+        high=difference + reach,
         std=std,
         level=level,
         degenerate=std == 0,
@@ -348,9 +351,19 @@ def normal_quantile(level: float) -> float:
         >>> round(normal_quantile(0.95), 4)
         1.96
     """
-    if not 0 < level < 1:
+    return float(ndtri(0.5 + check_level(level) / 2))
+
+
+def check_level(level: Any) -> float:
+    """Return a confidence level of any numeric type.
+
+    Raises:
+        ScoreError: It is no number in (0, 1).
+    """
+    number = plain_number(level, "confidence level")
+    if not 0 < number < 1:
         raise ScoreError(f"confidence level {level}: wanted a number between 0 and 1")
-    return float(ndtri(0.5 + level / 2))
+    return number
 
 
 def _logistic(x: float) -> float:

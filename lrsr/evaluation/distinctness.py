@@ -11,6 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lrsr.errors import ScoreError
+from lrsr.evaluation.arrays import plain_array
+
 _Floats = NDArray[np.float64]
 Drawn = tuple[int, int]
 """Index of an identity, and how often it was redrawn."""
@@ -83,7 +86,7 @@ def summarise(angles_deg: ArrayLike) -> dict[str, float | int]:
     Args:
         angles_deg: Any shape, degrees.
     """
-    angles = np.asarray(angles_deg, dtype=np.float64)
+    angles = plain_array(angles_deg, "angles").astype(np.float64)
     if angles.size == 0:
         return {"pairs": 0}
     shares = {"p0_1": 0.1, "p1": 1, "p5": 5, "median": 50, "p95": 95, "p99": 99}
@@ -201,7 +204,15 @@ def _unit_rows(embeddings: ArrayLike) -> _Floats:
     """Divide each row by its length, in double precision.
 
     Args:
-        embeddings: ``(N, D)``, no row of zeros.
+        embeddings: ``(N, D)``, no row of zeros, of any real type and origin.
+
+    Raises:
+        ScoreError: They are no table of real numbers, or a row is infinite or all zeros.
     """
-    rows = np.asarray(embeddings, dtype=np.float64)
+    rows = plain_array(embeddings, "embeddings").astype(np.float64)
+    if rows.ndim != 2:
+        raise ScoreError(f"got embeddings of shape {rows.shape}, wanted (N, D)")
+    broken = np.isinf(rows).any(axis=1) | ~rows.any(axis=1)
+    if broken.any():
+        raise ScoreError(f"embedding {int(np.argmax(broken))} is infinite or all zeros")
     return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))

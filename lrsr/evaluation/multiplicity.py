@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from lrsr.errors import ScoreError
+from lrsr.evaluation.arrays import plain_number
 
 
 def holm_adjusted(p_values: Sequence[float]) -> list[float]:
@@ -21,6 +22,7 @@ def holm_adjusted(p_values: Sequence[float]) -> list[float]:
         >>> [round(p, 3) for p in holm_adjusted([0.01, 0.04, 0.03])]
         [0.03, 0.06, 0.06]
     """
+    p_values = [plain_number(p, f"p value {index}") for index, p in enumerate(p_values)]
     for index, p in enumerate(p_values):
         if not 0 <= p <= 1:
             raise ScoreError(f"p value {index} is {p}: wanted a number from 0 to 1")

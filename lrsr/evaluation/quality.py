@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ImageContractError
-from lrsr.evaluation.arrays import plain_array
+from lrsr.evaluation.arrays import plain_array, plain_number
 
 _Floats = NDArray[np.float64]
 
@@ -73,9 +73,10 @@ def psnr_y(srgb_a: ArrayLike, srgb_b: ArrayLike, shave: int) -> _Floats:
     a, b = _luminance(srgb_a), _luminance(srgb_b)
     if a.shape != b.shape:
         raise ImageContractError(f"got images of {a.shape} and {b.shape}, wanted one shape")
-    if shave < 0 or 2 * shave >= min(a.shape[-2:]):
-        raise ImageContractError(f"shave {shave} leaves nothing of {a.shape[-2:]} pixels")
     height, width = a.shape[-2:]
-    inside = (..., slice(shave, height - shave), slice(shave, width - shave))
+    edge = plain_number(shave, "shave", error=ImageContractError)
+    if edge < 0 or 2 * edge >= min(height, width) or edge % 1:
+        raise ImageContractError(f"shave {shave} leaves nothing of {a.shape[-2:]} pixels")
+    rows, columns = (slice(int(edge), size - int(edge)) for size in (height, width))
     with np.errstate(divide="ignore"):
-        return np.asarray(-10 * np.log10(((a - b)[inside] ** 2).mean(axis=(-2, -1))))
+        return np.asarray(-10 * np.log10(((a - b)[..., rows, columns] ** 2).mean(axis=(-2, -1))))

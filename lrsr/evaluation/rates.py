@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.arrays import Array, to_common
+from lrsr.evaluation.arrays import Array, plain_number, to_common
 from lrsr.evaluation.placements import Ints
 from lrsr.evaluation.roc import RocCurve, wilson_interval
 from lrsr.evaluation.scores import ScoreSource, Tile
 
 _FEW_FALSE_MATCHES = 10
 """Below so many expected false matches an FMR is too uncertain to set a threshold by."""
+_TARGET = "target FMR"
 
 
 @dataclass(frozen=True)
@@ -108,9 +109,10 @@ class Rates:
     """
 
     def __init__(self, source: ScoreSource, target_fmrs: Collection[float] = ()) -> None:
-        self._targets, self._genuine = target_fmrs, source.genuine()
+        self._targets = [plain_number(target, _TARGET) for target in target_fmrs]
+        self._genuine = source.genuine()
         most = len(source.probe_ids) * len(source.gallery_ids) - source.mates[0].size
-        passing = max((_allowed(target, most) for target in target_fmrs), default=-1)
+        passing = max((_allowed(target, most) for target in self._targets), default=-1)
         self._highest = _Highest(min(most, passing + 1), self._genuine.dtype)
         self._moments, self._ranks, self._failed = _Moments(), list[Ints](), list[bool]()
         self._probes, gallery, _ = source.codes
@@ -201,7 +203,7 @@ def _allowed(target_fmr: float, n_impostor: int) -> int:
     """
     if not 0 <= target_fmr <= 1:
         raise ScoreError(f"target FMR {target_fmr}: wanted a number from 0 to 1")
-    return math.floor(Fraction(str(float(target_fmr))) * n_impostor)
+    return math.floor(Fraction(str(target_fmr)) * n_impostor)
 
 
 def _operating_point(
@@ -222,7 +224,7 @@ def _operating_point(
         missed = int(np.count_nonzero(genuine <= refused))
     low, high = wilson_interval(missed, genuine.size, level)
     return OperatingPoint(
-        target_fmr=float(target_fmr),
+        target_fmr=target_fmr,
         fmr=false_matches / n_impostor,
         fnmr=missed / genuine.size,
         fnmr_low=float(low),
@@ -231,7 +233,7 @@ def _operating_point(
         false_matches=false_matches,
         n_genuine=genuine.size,
         n_impostor=n_impostor,
-        few_false_matches=Fraction(str(float(target_fmr))) * n_impostor < _FEW_FALSE_MATCHES,
+        few_false_matches=Fraction(str(target_fmr)) * n_impostor < _FEW_FALSE_MATCHES,
     )
 
 

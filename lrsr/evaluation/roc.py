@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.delong import normal_quantile
+from lrsr.evaluation.arrays import plain_array, plain_number
+from lrsr.evaluation.delong import check_level, normal_quantile
 from lrsr.evaluation.placements import Ints, Placements
 
 _Floats = NDArray[np.float64]
@@ -126,17 +127,18 @@ def wilson_interval(
         >>> round(float(low), 4), round(float(high), 4)
         (0.0, 0.2775)
     """
-    hits = np.asarray(successes, dtype=np.float64)
-    if trials < 1 or (hits < 0).any() or (hits > trials).any():
+    hits = plain_array(successes, "successes").astype(np.float64)
+    count = plain_number(trials, "trials")
+    if count < 1 or not ((hits >= 0) & (hits <= count)).all():
         raise ScoreError(
-            f"{hits} successes in {trials} trials: wanted at least 1, and 0 to as many"
+            f"{hits} successes in {count:g} trials: wanted at least 1, and 0 to as many"
         )
     square = normal_quantile(level) ** 2
-    centre = (hits + square / 2) / (trials + square)
-    spread = hits * (trials - hits) / trials + square / 4
-    half = np.sqrt(square * spread) / (trials + square)
+    centre = (hits + square / 2) / (count + square)
+    spread = hits * (count - hits) / count + square / 4
+    half = np.sqrt(square * spread) / (count + square)
     low = np.where(hits == 0, 0.0, centre - half)
-    high = np.where(hits == trials, 1.0, centre + half)
+    high = np.where(hits == count, 1.0, centre + half)
     return low, high
 
 
@@ -157,7 +159,7 @@ def band(curve: RocCurve, level: float = 0.95) -> RocBand:
     Raises:
         ScoreError: The level lies outside (0, 1).
     """
-    normal_quantile(level)
+    level = check_level(level)
     each = math.sqrt(level)
     top = np.append(np.diff(curve.false_matches) > 0, True)  # of the upright pieces
     fmr_low, fmr_high = wilson_interval(curve.false_matches[top], curve.n_impostor, each)

@@ -6,7 +6,7 @@ ten thousand people need never hold the hundred million scores.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -278,8 +278,11 @@ def _identities(ids: Any, field: str) -> tuple[str, ...]:
     """Return identities as text; of anything but text and integers it is unclear who is equal.
 
     Raises:
-        ScoreError: An identity is something else, e.g. a missing value (NaN, None) of a table.
+        ScoreError: An identity is something else, e.g. a missing value (NaN, None) of a table, or
+            they have no order.
     """
+    if not isinstance(ids, Iterable) or isinstance(ids, Set):
+        raise ScoreError(f"{field} are {ids!r}: give a list, in the order of the scores")
     names = ids.tolist() if hasattr(ids, "tolist") else list(ids)
     names = [name.tolist() if hasattr(name, "tolist") else name for name in names]
     for index, name in enumerate(names):

@@ -17,6 +17,7 @@ from lrsr.evaluation.delong import (
     AucComparison,
     AucEstimate,
     DifferenceSums,
+    check_level,
     estimate_auc_of,
     normal_quantile,
 )
@@ -106,7 +107,7 @@ def summarise(
         >>> test.difference > 0, test.p < 0.01
         (True, True)
     """
-    normal_quantile(level)
+    level = check_level(level)
     if not methods:
         raise ScoreError("no method to evaluate: give the scores of at least one")
     first = next(iter(methods.values()))

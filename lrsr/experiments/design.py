@@ -39,40 +39,34 @@ class Condition:
         scene: What stands before the camera; None for photographs.
         compression: ``none``, ``small`` or ``heavy``; what the manifest says of photographs.
         ipd_px: Interpupillary distance on the probe, px; None: not known.
+        pose: Its name; empty: not known.
+        lighting: Its name; empty: not known.
     """
 
     option: int
     scene: Scene | None
     compression: str
     ipd_px: float | None
+    pose: str = ""
+    lighting: str = ""
 
     def __post_init__(self) -> None:
         if self.scene is None:
             return
+        object.__setattr__(self, "pose", self.scene.pose.name)
+        object.__setattr__(self, "lighting", self.scene.lighting.name)
         ipd_px = Film(self.ipd_px or 0).ipd_px
         require(ipd_px >= 4, "ipd_px", f"{ipd_px:g}", "at least 4")
         known = f"one of {', '.join(COMPRESSIONS)}"
         require(self.compression in COMPRESSIONS, "compression", self.compression, known)
 
     @property
-    def pose(self) -> str:
-        """Its name."""
-        return "" if self.scene is None else self.scene.pose.name
-
-    @property
-    def lighting(self) -> str:
-        """Its name."""
-        return "" if self.scene is None else self.scene.lighting.name
-
-    @property
     def title(self) -> str:
         """What a report calls it."""
-        words = [f"Option {self.option}"]
-        words += [] if self.ipd_px is None else [f"IPD {self.ipd_px:g} px"]
-        if self.scene is not None:
-            words[-1] += f": pose {self.pose}"
-            words += [f"light {self.lighting}", f"compression {self.compression}"]
-        return ", ".join(words)
+        size = "" if self.ipd_px is None else f", IPD {self.ipd_px:g} px"
+        known = {"pose": self.pose, "light": self.lighting, "compression": self.compression}
+        told = ", ".join(f"{word} {name}" for word, name in known.items() if name)
+        return f"Option {self.option}{size}" + (f": {told}" if told else "")
 
 
 @dataclass(frozen=True)
@@ -195,15 +189,13 @@ def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
 
 def _condition_of(photographs: Photographs) -> Condition:
     """Say of photographs what their manifest says of all of them."""
-    entries = photographs.entries
-    sizes = {entry.ipd_px for entry in entries}
-    compressions = {entry.compression for entry in entries}
-    return Condition(
-        option=1,
-        scene=None,
-        compression=compressions.pop() if len(compressions) == 1 else "",
-        ipd_px=sizes.pop() if len(sizes) == 1 else None,
-    )
+
+    def common(name: str, otherwise: Any) -> Any:
+        told = {getattr(entry, name) for entry in photographs.entries}
+        return told.pop() if len(told) == 1 else otherwise
+
+    names = {name: common(name, "") for name in ("compression", "pose", "lighting")}
+    return Condition(1, None, ipd_px=common("ipd_px", None), **names)
 
 
 def _upscalers(config: "DictConfig") -> dict[str, Upscaler]:

@@ -6,14 +6,17 @@ without one is read, too: pictures in a sub-folder show the person that it is na
 the person that the file is named after.
 """
 
+import codecs
 import csv
 import io
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+import numpy as np
 import torch
 
 from lrsr.errors import InputError
@@ -93,6 +96,7 @@ class Entry:
 
 
 _COLUMNS = tuple(each.name for each in fields(Entry) if each.name != "further")
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _REQUIRED = ("file", "identity_id")
 
 
@@ -131,9 +135,9 @@ def write_manifest(folder: Path, entries: Iterable[Entry]) -> Path:
 def _text(value: object) -> str:
     if value is None:
         return ""
-    if isinstance(value, tuple):
-        return " ".join(f"{x:.4f}" for x in value)
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if isinstance(value, tuple):  # as exact as the points of a picture are: float32
+        return " ".join(str(np.float32(x)).removesuffix(".0") for x in value)
+    return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
 
 
 def read_folder(folder: Path) -> list[Entry]:
@@ -186,8 +190,8 @@ def read_picture(folder: Path, entry: Entry) -> Picture:
 def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
     """Read and check ``folder/manifest.csv``, as any program may have saved it.
 
-    A mark of the byte order, other ends of lines, semicolons or tabs between columns, another order
-    of columns, further ones and blank lines are all fine.
+    A mark of the byte order, UTF-16 behind one, other ends of lines, semicolons or tabs between
+    columns, another order of columns, further ones and blank lines are all fine.
 
     Args:
         folder: Holds the manifest and, at or below it, the pictures.
@@ -200,10 +204,14 @@ def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
     """
     path = folder / MANIFEST
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
+        content = path.read_bytes()
+        text = content.decode("utf-16" if content.startswith(_UTF_16) else "utf-8-sig")
+    except OSError as error:
+        reason = error.strerror or error
         raise InputError(f"cannot read {path}: {reason}; lrsr render makes one") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"cannot read {path}: {error}; save it as UTF-8") from error
+    text = text.lstrip("\ufeff")  # two programs may have put a mark each
     head = text.partition("\n")[0]
     separator = max(",;\t", key=head.count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
@@ -223,7 +231,11 @@ def _entries(path: Path, reader: Any, pictures: bool) -> Iterator[Entry]:
     names = [name.strip() for name in next(rows, [])]
     for name in _REQUIRED:
         if name not in names:
-            raise InputError(f"{path}, line 1: no column {name}; add it")
+            there = ", ".join(filter(None, names))[:200]
+            raise InputError(f"{path}, line 1: no column {name} among {there or 'none'}; add it")
+    for name in filter(None, names):
+        if names.count(name) > 1:
+            raise InputError(f"{path}, line 1: {names.count(name)} columns {name}; rename one")
     seen: set[PurePosixPath] = set()
     for cells in rows:
         if "".join(cells[len(names) :]).strip():
@@ -242,12 +254,12 @@ def _entries(path: Path, reader: Any, pictures: bool) -> Iterator[Entry]:
 
 def _entry(path: Path, line: int, values: Mapping[str, str], pictures: bool) -> Entry:
     given: dict[str, Any] = {}
-    try:
-        for name in _COLUMNS:
-            if text := values.get(name, "").strip():  # what is empty has its default
-                given[name] = _READERS.get(name, str)(text)
-    except ValueError as error:
-        raise InputError(f"{path}, line {line}: {error}") from error
+    for name in _COLUMNS:
+        text = values.get(name, "").strip()  # what is empty has its default
+        try:
+            given |= {name: _READERS.get(name, str)(text)} if text else {}
+        except ValueError as error:
+            raise InputError(f"{path}, line {line}: {name}={text[:80]}: {error}") from error
     for name in _REQUIRED:
         if name not in given:
             raise InputError(f"{path}, line {line}: {name} is empty; fill it in")
@@ -269,29 +281,29 @@ def _slashed(text: str) -> str:
 def _points(text: str) -> tuple[float, ...]:
     points = tuple(_finite(x) for x in text.split())
     if len(points) != 10:
-        raise ValueError(f"landmarks_px holds {len(points)} numbers, wanted 10")
+        raise ValueError(f"{len(points)} numbers, wanted 10")
     return points
 
 
 def _scale(text: str) -> int:
     scale = _whole(text)
     if scale < 1:
-        raise ValueError(f"scale={scale}: wanted a number >= 1")
+        raise ValueError("wanted a number >= 1")
     return scale
 
 
 def _whole(text: str) -> int:
     value = _finite(text)
     if value != int(value):
-        raise ValueError(f"{text} is not a whole number")
+        raise ValueError("wanted a whole number")
     return int(text) if text.isdigit() else int(value)
 
 
 def _finite(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value):
-        raise ValueError(f"{text} is not a finite number")
-    return value
+    with suppress(ValueError):
+        if math.isfinite(value := float(text)):
+            return value
+    raise ValueError(f"{text[:20]} is no number such as 8.5")
 
 
 _READERS: Mapping[str, Callable[[str], object]] = {

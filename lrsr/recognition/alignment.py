@@ -17,10 +17,13 @@ import torch.nn.functional as F
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import ImageContractError
+from lrsr.evaluation.arrays import plain_array
 from lrsr.images import check_images
 
 CROP_PX = 112
 """Side of the aligned face, px."""
+_FARTHEST = 4
+"""A face that is cut off may reach beyond its picture, but not so many times."""
 
 TEMPLATE_PX: NDArray[np.float64] = np.array(
     [
@@ -52,12 +55,13 @@ def read_landmarks(landmarks_px: ArrayLike, count: int | None = None) -> NDArray
         (1, 5, 2)
     """
     wanted = f"wanted ({'B' if count is None else count}, 5, 2)"
-    if isinstance(landmarks_px, torch.Tensor):
-        landmarks_px = landmarks_px.detach().cpu().double().numpy()
-    try:
-        points = np.ma.filled(np.ma.asarray(landmarks_px).astype(np.float64), np.nan)
-    except (TypeError, ValueError) as error:
-        raise ImageContractError(f"landmarks_px: got {error}, {wanted} numbers") from error
+    points = plain_array(
+        landmarks_px,
+        "landmarks_px",
+        wanted=f"{wanted.removeprefix('wanted ')} numbers",
+        error=ImageContractError,
+        masked=np.nan,
+    )
     if points.ndim != 3 or points.shape[1:] != (5, 2) or count not in (None, len(points)):
         raise ImageContractError(f"landmarks_px: got shape {points.shape}, {wanted}")
     return np.asarray(points, dtype=np.float64)
@@ -164,7 +168,8 @@ def align(
         The crops ``(B, 3, 112, 112)``, black where no face was found, and ``(B,)``: was one found?
 
     Raises:
-        ImageContractError: Images or landmarks have another shape, or their numbers differ.
+        ImageContractError: Images or landmarks have another shape, their numbers differ, or the
+            landmarks are much farther apart than the picture is large.
     """
     check_images(srgb, name="srgb")
     matrices = _fit_similarities(landmarks_px)
@@ -173,6 +178,12 @@ def align(
     found: NDArray[np.bool_] = np.isfinite(matrices[:, 0, 0])
     crops = srgb.new_zeros(len(srgb), 3, CROP_PX, CROP_PX)
     if found.any():
+        spread, size = np.ptp(read_landmarks(landmarks_px)[found], axis=1).max(), srgb.shape[-2:]
+        if spread > _FARTHEST * max(size):
+            raise ImageContractError(
+                f"landmarks_px: {spread:g} px from one to another in pictures of {tuple(size)},"
+                f" wanted at most {_FARTHEST} times the picture"
+            )
         rows = torch.from_numpy(found)
         crops[rows] = warp(srgb[rows], matrices[found], size_px=CROP_PX, antialias=antialias)
     return crops, found

@@ -37,6 +37,8 @@ if hasattr(os, "register_at_fork"):  # no child is born with the lock held by a 
     )
 
 _VARIANTS = ("cuda_ad_rgb", "llvm_ad_rgb", "scalar_rgb", "cuda_ad_spectral", "llvm_ad_spectral")
+_GIVEN_UP: set[tuple[str, int]] = set()
+"""What took too long, and in which process."""
 _PROBE_SECONDS = 120
 """A candidate that has not rendered a triangle by then counts as broken."""
 
@@ -118,14 +120,15 @@ def choose_variant(candidates: Sequence[Path] | None = None) -> _Backend:
 def _find_llvm() -> list[Path]:
     """List the LLVM libraries worth trying, best first, each file once.
 
-    ``$DRJIT_LIBLLVM_PATH``; what pip installed into this environment (karellen-llvm-core); the
-    system's, newest first.
+    ``$DRJIT_LIBLLVM_PATH``; what pip installed into this environment (karellen-llvm-core) or one
+    whose packages it uses; the system's, newest first.
     """
     found: list[Path] = []
     if given := os.environ.get("DRJIT_LIBLLVM_PATH"):
         found.append(Path(given))
-    environment = {Path(sys.prefix) / "lib", Path(sysconfig.get_paths()["purelib"]).parents[1]}
-    for folder in sorted(environment):
+    packages = [Path(place) for place in (sysconfig.get_paths()["purelib"], *sys.path)]
+    beside = [place.parent.parent for place in packages if place.name.endswith("-packages")]
+    for folder in dict.fromkeys([Path(sys.prefix) / "lib", *beside]):
         found += _newest_first(_libraries(folder))
     system = [path for name in _SYSTEM_FOLDERS for path in _libraries(Path(name))]
     found += _newest_first(system)
@@ -239,13 +242,16 @@ def _probe(variant: str, library: Path | None, stamp: str) -> str:
     versions = [version("mitsuba"), version("drjit"), _PROBE]
     key = hashlib.sha256("\n".join([variant, stamp, *versions]).encode()).hexdigest()[:16]
     record = cache_folder() / "backend" / f"{key}.json"
+    if (key, os.getpid()) in _GIVEN_UP:
+        return _TIMED_OUT
     try:
         return str(json.loads(record.read_text())["fault"])
     except (OSError, ValueError, KeyError, TypeError):
         pass
     fault = _run_probe(variant, library)
-    if fault == _TIMED_OUT:
-        return fault  # a busy machine says nothing about the library
+    if fault == _TIMED_OUT:  # a busy machine says nothing about the library
+        _GIVEN_UP.add((key, os.getpid()))  # but a process keeps to one variant: it names pictures
+        return fault
     try:
         write_json(record, {"variant": variant, "stamp": stamp, "fault": fault})
     except InputError as error:

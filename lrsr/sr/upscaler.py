@@ -1,6 +1,7 @@
 """How is a small srgb picture made larger? One protocol, and everything that keeps it."""
 
 from math import ceil
+from numbers import Integral
 from pathlib import Path
 from typing import Protocol
 
@@ -108,8 +109,9 @@ class Bicubic(_OneStep):
     learned = False
 
     def __init__(self, scale: int, label: str | None = None, *, device: str = "cpu") -> None:
-        if type(scale) is not int or not 1 <= scale <= LARGEST_SCALE:
+        if not _is_whole(scale) or not 1 <= scale <= LARGEST_SCALE:
             raise InputError(f"scale={scale}: wanted a whole number from 1 to {LARGEST_SCALE}")
+        scale = int(scale)
         label = label or ("Base" if scale == 1 else f"Bicubic {scale}")
         kernel = ENLARGED_BY if scale > 1 else ""
         super().__init__(label, scale, device, kind="bicubic", kernel=kernel)
@@ -231,8 +233,9 @@ class Repeated:
     """
 
     def __init__(self, upscaler: Upscaler, times: int, label: str | None = None) -> None:
-        if type(times) is not int or times < 1:
+        if not _is_whole(times) or times < 1:
             raise InputError(f"repeat={times}: wanted a whole number above 0")
+        times = int(times)
         self.label = label or f"{upscaler.label}, {times} times"
         self.scale: int = upscaler.scale**times
         self.learned = upscaler.learned
@@ -283,6 +286,10 @@ def load_upscaler(
 def _find(path: Path) -> Path:
     shipped = PACKAGE / "assets" / path
     return shipped if not path.exists() and shipped.is_file() else path
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 def _usable(device: str) -> torch.device:

@@ -1,5 +1,8 @@
 """Electrons, their noise and the numbers they become."""
 
+from collections.abc import Callable
+
+import numpy as np
 import pytest
 import torch
 
@@ -111,6 +114,18 @@ def test_no_light_has_a_finite_gradient() -> None:
 def test_noise_without_a_seed_for_each_image_is_refused(seeds: list[int] | None) -> None:
     with pytest.raises(InputError, match="for 2 noisy images, wanted one for each"):
         Sensor()(random_light(2), seeds)
+
+
+@pytest.mark.parametrize("seeds", [7, torch.tensor(7), "78", [1.0, 2.0], [True, False], ["1", "2"]])
+def test_seeds_are_whole_numbers_one_for_each_image(seeds: list[int]) -> None:
+    with pytest.raises(InputError, match="seeds"):
+        Sensor()(random_light(2), seeds)
+
+
+@pytest.mark.parametrize("kind", [np.array, torch.tensor, lambda seeds: list(map(np.uint8, seeds))])
+def test_seeds_may_be_of_any_width(kind: Callable[[list[int]], list[int]]) -> None:
+    light = random_light(2)
+    assert torch.equal(Sensor()(light, kind([1, 2])), Sensor()(light, [1, 2]))
 
 
 def test_broken_light_is_refused() -> None:

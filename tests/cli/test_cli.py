@@ -54,15 +54,30 @@ def test_cfg_job_prints_the_configuration_from_an_empty_folder(
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )
-def test_wrong_input_is_one_line_and_status_2(words: list[str], says: str, tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "lrsr", *words],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 2, done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+def test_wrong_input_is_one_line_and_status_2(
+    words: list[str],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    said = capfd.readouterr().err
+    assert len(said.strip().splitlines()) == 1, said
+    assert said.startswith("lrsr: ")
+    assert says in said
+    assert caplog.messages == []  # of which a process would make lines
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_process_ends_with_that_line_and_status(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "lrsr", "eval", "methods=[magic]"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
     assert done.stderr.startswith("lrsr: ")
-    assert says in done.stderr
 
 
 def test_debug_shows_the_traceback() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 STUB = """
 import signal, sys, time, types
+from tqdm import tqdm
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 from pathlib import Path
 from lrsr import cli
@@ -27,6 +28,8 @@ def task(config):
         raise ValueError(f"seed {config.seed}")
     with run_folder(config) as folder:
         write_text(folder / "results.json", "whole")
+        with tqdm(total=1, desc="progress") as bar:
+            bar.update()
         if config.name == "wait":
             print("waiting", flush=True)
             time.sleep(60)
@@ -53,7 +56,19 @@ def run(shell: str, folder: Path, **environment: str) -> tuple[int, bytes, bytes
     return process.returncode, out, err
 
 
-@pytest.mark.parametrize("shell", [">&-", "2>&-", "<&-", "<&- >&- 2>&-", ">/dev/full"])
+@pytest.mark.parametrize(
+    "shell",
+    [
+        ">&-",
+        "2>&-",
+        "<&-",
+        "<&- >&- 2>&-",
+        ">/dev/full",
+        "2>/dev/full",
+        "2> >(exit)",
+        ">/dev/full 2>&1",
+    ],
+)
 def test_work_that_is_done_is_status_0_whatever_the_streams(shell: str, tmp_path: Path) -> None:
     status, _, err = run(f"paths.run=x {shell}", tmp_path)
     assert status == 0, err

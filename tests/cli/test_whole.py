@@ -48,6 +48,27 @@ def test_eval_writes_results_and_report(capsys: pytest.CaptureFixture[str]) -> N
     }  # fmt: skip
 
 
+def test_what_render_made_eval_does_not_make_again(capsys: pytest.CaptureFixture[str]) -> None:
+    people, cache = ["identities.count=2", *TINY], Path("cache")
+    enrolled = ["gallery.ipd_px=16", "gallery.samples_per_pixel=8"]
+    scene = ["pose=left", "lighting=below", "compression=heavy"]
+    for words in (
+        ["render", *people, *scene, "scales=[1,2]", "out=probes"],
+        ["render", *people, "kind=gallery", *enrolled, "out=gallery"],
+    ):
+        assert main([*words, f"paths.cache={cache}"]) == 0
+    made = {path: path.stat().st_mtime_ns for path in cache.rglob("*.safetensors")}
+    assert len(made) == 2 * (2 + 1)
+    settings = ["methods=[base,bicubic2,srcnn2]", f"paths.cache={cache}"]
+    asked = [*people, "options=[6]", *enrolled]
+    rows = []
+    for words in (asked, ["probes.folder=probes", "gallery.folder=gallery"]):
+        assert main(["eval", *settings, *words]) == 0
+        rows.append(json.loads((last_line(capsys) / "results.json").read_text())["rows"])
+    assert {path: path.stat().st_mtime_ns for path in cache.rglob("*.safetensors")} == made
+    assert rows[0] == [row | {"option": 6} for row in rows[1]]  # to the last digit
+
+
 def test_identities_says_who_the_people_of_eval_are(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["identities", "+debug=smoke", "encoder=shipped", "smallest_angle_deg=0"]
     assert main(words) == 0

@@ -1,7 +1,12 @@
 """Tests of lrsr/evaluation/arrays.py."""
 
+import json
 import subprocess
 import sys
+from dataclasses import asdict
+from decimal import Decimal
+from fractions import Fraction
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -10,8 +15,11 @@ import torch
 from fakes.measures import d_prime, fnmr_at_fmr, trace_roc
 
 from lrsr.errors import ImageContractError, ScoreError
-from lrsr.evaluation.arrays import check_scores, plain_array
+from lrsr.evaluation.arrays import check_scores, plain_array, plain_number
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
+from lrsr.evaluation.multiplicity import holm_adjusted
+from lrsr.evaluation.quality import psnr_y
+from lrsr.evaluation.roc import wilson_interval
 from lrsr.evaluation.scores import Scores
 
 GENUINE, IMPOSTOR = np.array([2.0, 3, 1, 5]), np.array([0.0, 1, 2, 0, 3])
@@ -53,6 +61,8 @@ ORIGINS = {
     "gradient": learns,
     "bfloat16": lambda values: torch.from_numpy(values).bfloat16(),
     "half-that-learns": lambda values: learns(values).half(),
+    "list-of-tensors-that-learn": lambda values: [learns(values)[k] for k in range(len(values))],
+    "list-of-bfloat16": lambda values: list(torch.from_numpy(values).bfloat16()),
     "sparse": lambda values: torch.from_numpy(values).to_sparse(),
     "negated-view": lambda values: (
         torch.complex(torch.zeros(len(values)).double(), torch.from_numpy(-values)).conj().imag
@@ -95,7 +105,6 @@ REFUSED = [
     pytest.param(np.array([1j, 2]), "dtype complex128", id="complex"),
     pytest.param(torch.tensor([1j, 2]), "dtype complex64", id="complex-tensor"),
     pytest.param(torch.zeros(2, device="meta"), "make no array", id="tensor-without-values"),
-    pytest.param([learns(np.ones(1))[0], 1.0], "make no array", id="list-of-learning-tensors"),
     pytest.param(np.longdouble([1, 2]), "dtype", id="long-double"),
     pytest.param(["1.0", "2.0"], "dtype <U3", id="text"),
     pytest.param(np.array(["2020-01-01", "2021-01-01"], "M8[D]"), "dtype datetime64", id="dates"),
@@ -122,6 +131,45 @@ def test_a_matrix_with_a_masked_score_is_refused() -> None:
 
 def test_a_matrix_may_be_a_tensor() -> None:
     assert Scores(torch.eye(2), ["a", "b"], ["a", "b"]).genuine().tolist() == [1, 1]  # type: ignore[arg-type] # duck-typed
+
+
+NUMBERS = {
+    "numpy": np.float32(0.25),
+    "half": np.float16(0.25),
+    "no-axes": np.array(0.25),
+    "decimal": Decimal("0.25"),
+    "fraction": Fraction(1, 4),
+    "tensor": torch.tensor(0.25),
+    "gradient": torch.tensor(0.25, requires_grad=True),
+    "bfloat16": torch.tensor(0.25).bfloat16(),
+}
+
+
+@pytest.mark.parametrize("origin", NUMBERS)
+def test_one_number_may_be_of_any_width_and_origin(origin: str) -> None:
+    value: Any = NUMBERS[origin]
+    assert plain_number(value, "level") == 0.25
+    estimate = estimate_auc(GENUINE, IMPOSTOR, value)
+    assert estimate == estimate_auc(GENUINE, IMPOSTOR, 0.25)
+    json.dumps(asdict(estimate))
+    assert fnmr_at_fmr(GENUINE, IMPOSTOR, value) == fnmr_at_fmr(GENUINE, IMPOSTOR, 0.25)
+    assert holm_adjusted([value, value]) == [0.5, 0.5]
+
+
+@pytest.mark.parametrize(
+    "value", [None, "0.5", True, nan, [0.5], 1j, np.ma.masked, 10**400], ids=repr
+)
+def test_what_is_no_number_is_refused_in_one_line(value: Any) -> None:
+    for measure in (
+        lambda: estimate_auc(GENUINE, IMPOSTOR, value),
+        lambda: fnmr_at_fmr(GENUINE, IMPOSTOR, value),
+        lambda: wilson_interval(1, value),
+        lambda: holm_adjusted([value]),
+    ):
+        with pytest.raises(ScoreError, match="wanted a number"):
+            measure()
+    with pytest.raises(ImageContractError, match=r"shave is .*: wanted a number"):
+        psnr_y(np.zeros((3, 4, 4)), np.ones((3, 4, 4)), value)
 
 
 def test_the_error_is_the_callers() -> None:

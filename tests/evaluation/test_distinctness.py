@@ -2,11 +2,14 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from numpy.typing import NDArray
 
+from lrsr.errors import ScoreError
 from lrsr.evaluation.distinctness import (
     Distinct,
     Drawn,
@@ -268,3 +271,33 @@ def test_nobody_at_all_is_no_error() -> None:
 def test_a_negative_number_of_redraws_is_refused() -> None:
     with pytest.raises(ValueError, match="most_redraws must be >= 0, got -1"):
         distinct(Crowd(), 2, most=-1)
+
+
+@pytest.mark.parametrize("kind", ["gradient", "bfloat16", "half", "integers", "list"])
+def test_angles_are_those_of_any_kind_of_numbers(kind: str) -> None:
+    rows = torch.tensor([[1.0, 0.0], [0.0, 2.0], [-3.0, 0.0]])
+    given: Any = {
+        "gradient": rows.clone().requires_grad_(),
+        "bfloat16": rows.bfloat16(),
+        "half": rows.half(),
+        "integers": rows.int(),
+        "list": list(rows.clone().requires_grad_()),
+    }[kind]
+    assert pairwise_angles_deg(given).tolist() == [90.0, 180.0, 90.0]
+    assert closest_pairs(given, 1)[0].angle_deg == 90.0
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"),
+    [
+        (np.ma.masked_array(np.eye(2), np.eye(2) > 0), "masked"),
+        (1j * np.eye(2), "complex"),
+        (np.ones(2), r"shape \(2,\), wanted \(N, D\)"),
+        ([[1.0, 0.0], [np.inf, 1.0]], "embedding 1 is infinite or all zeros"),
+        ([[0.0, 0.0], [1.0, 1.0]], "embedding 0 is infinite or all zeros"),
+    ],
+    ids=["masked", "complex", "row", "infinite", "zeros"],
+)
+def test_what_has_no_angle_is_refused(rows: Any, says: str) -> None:
+    with pytest.raises(ScoreError, match=says):
+        pairwise_angles_deg(rows)

@@ -10,6 +10,7 @@ from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.paths import config_folder
+from lrsr.pictures.folder import Entry, write_manifest
 from lrsr.presets import preset
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.scene import Scene
@@ -48,6 +49,25 @@ def test_conditions_are_sizes_times_options() -> None:
     settings = Design.from_config(composed("ipd_px=[8,11]", "options=[1,6]"))
     assert [(c.ipd_px, c.option) for c in settings.conditions] == [(8, 1), (8, 6), (11, 1), (11, 6)]
     assert settings.conditions[1].pose == "left"
+
+
+@pytest.mark.parametrize(
+    ("poses", "title"),
+    [
+        (("left", "left"), "Option 1, IPD 8 px: pose left, light below, compression heavy"),
+        (("left", "up"), "Option 1, IPD 8 px: light below, compression heavy"),
+    ],
+)
+def test_photographs_are_taken_as_their_manifest_says(
+    poses: tuple[str, str], title: str, tmp_path: Path
+) -> None:
+    known = {"lighting": "below", "compression": "heavy", "ipd_px": 8.0}
+    rows = [Entry(f"{k}.png", f"p{k}", pose=pose, **known) for k, pose in enumerate(poses)]
+    for row in rows:
+        (tmp_path / row.file).touch()
+    write_manifest(tmp_path, rows)
+    (condition,) = Design.from_config(composed(f"probes.folder={tmp_path}")).conditions
+    assert condition.title == title
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ DESIGN = Verification(
     gallery=Sitting(PEOPLE, FRONTAL, Film(32.0), QUALITY, "gallery", 5),
     camera=Camera(),
 )
-PHOTOGRAPHS = Condition(1, None, "small", 8.0)
+PHOTOGRAPHS = Condition(1, None, "small", 8.0, "left", "below")
 PROBES = Sitting(PEOPLE, TURNED, Film(8.0), QUALITY.at(8.0), "probe", 5)
 
 
@@ -99,18 +99,8 @@ def test_pictures_of_a_folder_give_the_rows_of_the_people_they_show(
     )
     assert not (tmp_path / "read" / "cache").exists()
     assert 0.6 < rendered["rows"][0]["auc"] < 0.99  # hard enough to be a test
-    for ours, theirs in zip(read["rows"], rendered["rows"], strict=True):
-        assert (ours["pose"], ours["lighting"]) == ("", "")
-        names = {"pose": theirs["pose"], "lighting": theirs["lighting"]}
-        points = ours.pop("fnmr"), theirs.pop("fnmr")
-        spreads = ours.pop("d_prime"), theirs.pop("d_prime")  # landmarks have four decimals
-        assert spreads[0] == pytest.approx(spreads[1], abs=1e-4)
-        assert ours | names == pytest.approx(theirs, abs=1e-9)
-        for one, other in zip(*points, strict=True):
-            assert one == pytest.approx(other, abs=1e-4)
-    assert [test["difference"] for test in read["comparisons"]] == pytest.approx(
-        [test["difference"] for test in rendered["comparisons"]], abs=1e-9
-    )
+    assert read["rows"] == rendered["rows"]
+    assert read["comparisons"] == rendered["comparisons"]
 
 
 def test_render_and_eval_share_the_cache(

@@ -142,6 +142,19 @@ def test_any_table_with_files_and_people_is_a_manifest(folder: Path, text: str) 
     )
 
 
+@pytest.mark.parametrize("code", ["utf-8", "utf-8-sig", "utf-16"])
+def test_a_manifest_in_any_unicode_is_read(folder: Path, code: str) -> None:
+    (folder / "manifest.csv").write_bytes("file;identity_id\na.png;Müßig 北\n".encode(code))
+    assert read_manifest(folder) == [Entry("a.png", "Müßig 北")]
+
+
+@pytest.mark.parametrize("code", ["latin-1", "cp1252", "utf-16-be"])
+def test_letters_that_would_have_to_be_guessed_are_refused(folder: Path, code: str) -> None:
+    (folder / "manifest.csv").write_bytes("file,identity_id\na.png,Müßig\n".encode(code))
+    with pytest.raises(InputError, match=r"save it as UTF-8|no column file"):
+        read_manifest(folder)
+
+
 def test_a_cell_in_quotes_may_hold_separators_and_ends_of_lines(folder: Path) -> None:
     text = 'file,identity_id,note\na.png,"Doe, Anna","says ""hi""\nand goes"\nb.png,ben,\n'
     (folder / "manifest.csv").write_text(text)
@@ -192,8 +205,8 @@ def test_an_empty_manifest_has_no_rows(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("identity_id,", "who,", r"manifest\.csv, line 1: no column identity_id; add it"),
-        ("file,", "path,", r"manifest\.csv, line 1: no column file; add it"),
+        ("identity_id,", "who,", r"manifest\.csv, line 1: no column identity_id among file, who, "),
+        ("file,", "path,", r"manifest\.csv, line 1: no column file among path, "),
         ("file,", '"file"x,', r"manifest\.csv, line 1: ',' expected after '\"'"),
         ("b.png", "c.png", r"line 3: c\.png does not exist"),
         ("b.png", "../b.png", r"line 3: \.\./b\.png lies outside"),
@@ -203,12 +216,14 @@ def test_an_empty_manifest_has_no_rows(folder: Path) -> None:
         ("b.png,test-00000", "b.png,", "line 3: identity_id is empty; fill it in"),
         ("b.png", "a.png", r"line 3: a\.png is named twice"),
         ("b.png", "./a.png", r"line 3: a\.png is named twice"),
-        (",8,2,", ",eight,2,", r"line 2: could not convert string to float: 'eight'"),
-        (",8,2,", ",nan,2,", r"line 2: nan is not a finite number"),
-        (",8,2,", ",8,2.5,", r"line 2: 2\.5 is not a whole number"),
+        (",8,2,", ",eight,2,", r"line 2: ipd_px=eight: eight is no number such as 8\.5"),
+        (",8,2,", ",nan,2,", r"line 2: ipd_px=nan: nan is no number"),
+        (",8,2,", ',"8,5",2,', r"line 2: ipd_px=8,5: 8,5 is no number such as 8\.5"),
+        ("kind,pose", "kind,kind", r"line 1: 2 columns kind; rename one"),
+        (",8,2,", ",8,2.5,", r"line 2: scale=2\.5: wanted a whole number"),
         (",8,2,", ",8,0,", r"line 2: scale=0: wanted a number >= 1"),
-        ("0.1250 ", "", r"line 2: landmarks_px holds 9 numbers, wanted 10"),
-        ("0.1250 ", "inf ", r"line 2: inf is not a finite number"),
+        ("0.125 ", "", r"line 2: landmarks_px=[0-9. ]*: 9 numbers, wanted 10"),
+        ("0.125 ", "inf ", r"line 2: landmarks_px=.*: inf is no number"),
         ('"above, a bit"', '"above" a bit', r"manifest\.csv, line 2: ',' expected after '\"'"),
     ],
     ids=lambda value: value[:12],
@@ -287,6 +302,19 @@ def test_a_picture_says_who_it_shows_and_where_the_face_is(tmp_path: Path) -> No
     assert read_picture(tmp_path, replace(ROW, landmarks_px=None)).landmarks_px is None
 
 
+def test_no_digit_is_lost_on_the_way(tmp_path: Path) -> None:
+    points = torch.rand(5, 2, generator=torch.Generator().manual_seed(1)) * 100
+    numbers = tuple(points.flatten().tolist())
+    row = replace(ROW, landmarks_px=numbers, ipd_px=8.123456789, yaw_deg=-1e-7, pitch_deg=20.0)
+    write_png(tmp_path / row.file, torch.zeros(3, 4, 4))
+    write_manifest(tmp_path, [row])
+    (read,) = read_manifest(tmp_path)
+    assert (read.ipd_px, read.yaw_deg, read.pitch_deg) == (8.123456789, -1e-7, 20.0)
+    found = read_picture(tmp_path, read).landmarks_px
+    assert found is not None
+    assert torch.equal(found, points)
+
+
 def test_a_file_that_is_no_picture_is_named(folder: Path) -> None:
     with pytest.raises(InputError, match=r"a\.png is no picture"):
         read_picture(folder, ROW)
@@ -301,7 +329,7 @@ def test_a_missing_folder_or_manifest_is_named(folder: Path, missing: str) -> No
 
 def test_a_manifest_that_is_no_text_is_named(folder: Path) -> None:
     (folder / "manifest.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match=r"cannot read .*manifest\.csv: .*utf-8"):
+    with pytest.raises(InputError, match=r"cannot read .*manifest\.csv: .*; save it as UTF-8"):
         read_manifest(folder)
 
 

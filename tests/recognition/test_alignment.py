@@ -195,10 +195,18 @@ def test_a_masked_whole_number_is_none_too() -> None:
     ids=["ragged", "words", "letters", "none", "nobody", "number"],
 )
 def test_landmarks_that_are_no_points_are_refused(odd: object) -> None:
-    with pytest.raises(ImageContractError, match=r"landmarks_px: got .*wanted \(B, 5, 2\)"):
+    with pytest.raises(ImageContractError, match=r"landmarks_px.* (give|wanted) \(B, 5, 2\)"):
         read_landmarks(odd)
 
 
 def test_landmarks_of_another_number_are_refused_where_it_is_known() -> None:
     with pytest.raises(ImageContractError, match=r"got shape \(1, 5, 2\), wanted \(2, 5, 2\)"):
         read_landmarks(TEMPLATE_PX[None], 2)
+
+
+def test_landmarks_far_beyond_their_picture_are_refused() -> None:
+    """A lost decimal point would ask for the memory of all rays between them."""
+    with pytest.raises(ImageContractError, match="5000 px from one to another"):
+        align(
+            torch.zeros(1, 3, 16, 16), TEMPLATE_PX[None] * 0 + np.eye(5, 2) * 5000, antialias=True
+        )

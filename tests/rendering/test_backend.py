@@ -97,13 +97,15 @@ def test_a_broken_record_is_asked_again(tmp_path: Path, children: list) -> None:
     assert len(children) == 2
 
 
-def test_a_timeout_is_not_remembered(
+def test_a_timeout_is_remembered_by_its_process_alone(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, children: list
 ) -> None:
     good = library(tmp_path, "good.so")
     with monkeypatch.context() as busy:
         busy.setattr(backend, "_run_probe", lambda *_: backend._TIMED_OUT)
         assert choose_variant([good]).variant == "scalar_rgb"
+    assert choose_variant([good]).variant == "scalar_rgb"  # what names the pictures of a process
+    monkeypatch.setattr(backend, "_GIVEN_UP", set())
     assert choose_variant([good]).variant == "llvm_ad_rgb"
 
 
@@ -166,12 +168,14 @@ def test_libraries_of_the_environment_come_before_the_systems_newest_first(
     monkeypatch.setattr(
         backend.sysconfig, "get_paths", lambda: {"purelib": str(tmp_path / "env/lib/py/site")}
     )
+    monkeypatch.setattr(sys, "path", ["", str(tmp_path / "below/lib/python3/site-packages")])
     own = library(tmp_path, "env/lib/libLLVM.so.23.1")
+    below = library(tmp_path, "below/lib/libLLVM.so.24.1")  # an environment that this one uses
     old = library(tmp_path, "lib/x86_64-linux-gnu/libLLVM-9.so.1")
     new = library(tmp_path, "lib/x86_64-linux-gnu/libLLVM-15.so.1")
     library(tmp_path, "lib/llvm-15/lib/libLLVMSupport.a")
     (tmp_path / "lib/libLLVM.so").symlink_to(new)
-    assert [path.resolve() for path in _find_llvm()] == [own, new, old]
+    assert [path.resolve() for path in _find_llvm()] == [own, below, new, old]
 
 
 def test_the_users_library_comes_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -119,6 +119,13 @@ def test_bicubic_is_the_one_bicubic(faces: torch.Tensor) -> None:
     torch.testing.assert_close(Bicubic(4)(faces), resize_bicubic(faces, 4).clamp(0, 1))
 
 
+@pytest.mark.parametrize("kind", [np.int64, np.uint8])
+def test_a_scale_may_be_of_any_width(faces: torch.Tensor, kind: type) -> None:
+    twice = Repeated(Bicubic(kind(2)), kind(2))
+    assert torch.equal(twice(faces), Repeated(Bicubic(2), 2)(faces))
+    assert type(twice.scale) is int
+
+
 def test_base_returns_the_image_itself(faces: torch.Tensor) -> None:
     assert torch.equal(Bicubic(1)(faces), faces)
 

@@ -64,6 +64,8 @@ def draw_intervals(labels: Sequence[str], areas: Sequence[Mapping[str, Any]], qu
             axes.plot([area["low"], area["high"]], [place, place], color="#0072B2", linewidth=2.2)
             axes.plot(area["auc"], place, "o", color="black", markersize=4)
         axes.set_yticks(places, labels)
+        left, right = axes.get_xlim()  # no area lies outside 0 to 1; a margin for half a dot
+        axes.set(xlim=(max(left, -0.01), min(right, 1 + 0.1 * (1 - left))))
         axes.set(xlabel=quantity, ylim=(-0.6, len(areas) - 0.4))
         axes.tick_params(axis="y", length=0)
         axes.grid(visible=True, axis="x")
@@ -102,7 +104,7 @@ def draw_angles(angles_deg: ArrayLike, smallest_angle_deg: float, encoder: str) 
         axes.grid(visible=True, axis="y")
         axes.set_axisbelow(True)
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-        axes.legend()
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)  # over no bar
         return png_bytes(figure)
 
 

@@ -8,6 +8,7 @@ photographs show beside ours (docs/people.md): logarithms of luminance against t
 which what our own geometry shades in frontal light has been taken away.
 """
 
+from itertools import pairwise
 from typing import NamedTuple, TypedDict
 
 import cv2
@@ -19,7 +20,6 @@ from lrsr.identities.ramp import smoothstep
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.regions import blob
-
 
 _HEIGHTS_MM = (
     53,
@@ -270,7 +270,7 @@ def _draw(shade: _Shade, position: FloatMap) -> _Weight:
 def _squared_distance(points: FloatMap, corners: NDArray[np.float32]) -> FloatMap:
     """Squared distance of every point to a polyline."""
     nearest = ((points - corners[0]) ** 2).sum(axis=-1)
-    for begin, end in zip(corners[:-1], corners[1:], strict=True):
+    for begin, end in pairwise(corners):
         along = end - begin
         share = np.clip(((points - begin) @ along) / (along @ along), 0.0, 1.0)
         foot = begin + share[..., None] * along

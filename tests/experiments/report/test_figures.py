@@ -7,8 +7,10 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from fakes.measures import trace_roc
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from lrsr.experiments.report import figures
 from lrsr.experiments.report.figures import draw_intervals, draw_roc
 from lrsr.pages import COLOURS, DASHES
 
@@ -45,6 +47,18 @@ def test_an_interval_plot_grows_with_its_lines() -> None:
         return decode(draw_intervals(["x"] * count, [area] * count, "AUC")).shape[0]
 
     assert height(1) < height(6) < height(36)
+
+
+@pytest.mark.parametrize("low", [0.2, 0.97, 1.0])
+def test_an_interval_plot_shows_no_areas_that_cannot_be(
+    low: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(figures, "png_bytes", lambda figure: drawn.append(figure) or b"")
+    draw_intervals(["x"], [{"auc": 1.0, "low": low, "high": 1.0}], "AUC")
+    left, right = drawn[0].axes[0].get_xlim()
+    assert left < low
+    assert 1 < right <= 1 + 0.1 * (1 - left) + 0.01
 
 
 def test_every_line_differs_in_colour_or_dashes() -> None:
