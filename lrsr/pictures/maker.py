@@ -51,7 +51,8 @@ class MitsubaMaker:
 
     def head(self, recipe: Recipe) -> "Head":
         """Build the person of ``recipe``, under the name that the split gives."""
-        return recipe.person.head(recipe.scene.expression, recipe.quality.texture_size)
+        scene, size = recipe.scene, recipe.quality.texture_size
+        return recipe.person.head(scene.expression, size, scene.another_day)
 
     def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render with the one renderer of that skin model, whose scene is updated in place."""

@@ -75,7 +75,7 @@ def read_scene(config: "DictConfig") -> Scene:
     Raises:
         InputError: A value is wrong.
     """
-    groups = ("lighting", "pose", "lens", "standpoint", "expression")
+    groups = ("lighting", "pose", "lens", "standpoint", "expression", "another_day")
     return Scene(**{name: value_of(name, config[name]) for name in groups if name in config})
 
 

@@ -113,7 +113,8 @@ def references_of(probes: Photographs, scale: int) -> Photographs | None:
 
 def _scene(entry: Entry) -> tuple[object, ...]:
     where = (entry.pose, entry.yaw_deg, entry.pitch_deg, entry.roll_deg, entry.lighting)
-    return (entry.identity_id, *where, entry.ipd_px, entry.expression, entry.lens, entry.run_seed)
+    worn = (entry.expression, entry.another_day)
+    return (entry.identity_id, *where, entry.ipd_px, *worn, entry.lens, entry.run_seed)
 
 
 def chunks(source: Source) -> Iterator[tuple[slice, list[Picture]]]:

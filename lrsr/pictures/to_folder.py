@@ -98,8 +98,8 @@ class Shoot:
         names = ("name", "exposure_ev", "compression", "bands", "adapted")
         told = {**self.camera_settings, **{name: getattr(camera, name) for name in names}}
         made_by = {"recipe": recipe.plain(versions), "camera": told}
-        usual = {"neutral", "pinhole", "level", "reflective", "reference"}
-        further = (scene.expression, scene.lens, scene.standpoint, skin, camera)
+        usual = {"neutral", "none", "pinhole", "level", "reflective", "reference"}
+        further = (scene.expression, scene.another_day, scene.lens, scene.standpoint, skin, camera)
         words = [picture.identity_id, self.sitting.kind, scene.pose.name, scene.lighting.name]
         words += [camera.compression, *(each.name for each in further if each.name not in usual)]
         words += [digest(made_by)[:8], f"ipd{film.ipd_px:g}", f"x{picture.scale}"]
@@ -125,6 +125,7 @@ class Shoot:
             skin=skin.name,
             samples_per_pixel=recipe.quality.samples_per_pixel,
             run_seed=self.sitting.seed,
+            another_day=scene.another_day.name,
             settings=json.dumps(made_by, sort_keys=True),
         )
 
