@@ -38,7 +38,10 @@ def run_eval(config: "DictConfig") -> Path:
 
 run_demo = run_identities = run_eval
 
-_OF_PROBES = ("ipd_px", "options", "conditions", "lens", "standpoint", "camera")
+_OF_PROBES = (
+    *("ipd_px", "options", "conditions", "lens", "standpoint", "camera"),
+    *("expression", "another_day"),
+)
 _OF_PEOPLE = ("identities", "rendering")
 
 

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 
+_OF_EVERY_PROBE = ("lens", "standpoint", "expression", "another_day")
+"""What all conditions share, but for those that say otherwise."""
+
+
 @dataclass(frozen=True)
 class Condition:
     """One way to photograph everyone: an option of the experiment at one size.
@@ -63,6 +67,11 @@ class Condition:
         return "" if self.scene is None else self.scene.lighting.name
 
     @property
+    def _acted(self) -> tuple[str, ...]:
+        scene = self.scene
+        return () if scene is None else (scene.expression.name, scene.another_day.name)
+
+    @property
     def title(self) -> str:
         """What a report calls it."""
         words = [f"Option {self.option}"]
@@ -70,6 +79,7 @@ class Condition:
         if self.scene is not None:
             words[-1] += f": pose {self.pose}"
             words += [f"light {self.lighting}", f"compression {self.compression}"]
+            words += [one for one in self._acted if one not in ("neutral", "none")]
         return ", ".join(words)
 
 
@@ -175,7 +185,7 @@ class Design:
 def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
     table = numbered(config, "conditions")
     usual: dict[str, Any] = {"pose": "frontal", "lighting": "frontal", "compression": "none"}
-    usual |= {"lens": config.lens, "standpoint": config.standpoint}
+    usual |= {group: config[group] for group in _OF_EVERY_PROBE}
     found = []
     for ipd_px in numbers(config, "ipd_px"):
         for option in whole_numbers(config, "options"):
@@ -183,8 +193,8 @@ def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
             node = usual | table[option]
             compression = str(node.pop("compression"))
             for group in node:
-                wish = f"no such setting; there are {', '.join((*usual, 'expression'))}"
-                require(group in (*usual, "expression"), f"conditions.{option}", group, wish)
+                wish = f"no such setting; there are {', '.join(usual)}"
+                require(group in usual, f"conditions.{option}", group, wish)
             scene = Scene(**{group: value_of(group, node[group]) for group in node})
             found.append(Condition(option, scene, compression, ipd_px))
     return tuple(found)

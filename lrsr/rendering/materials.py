@@ -28,7 +28,7 @@ MATERIALS: Mapping[Material, Mapping[str, float]] = {
     # Woven cotton and fleece: no mirror, a little fuzz (estimated).
     "cloth": {"roughness": 0.85, "specular": 0.15, "sheen": 0.3},
     # Thin lenses of CR-39 plastic: index 1.5, 4 % reflected by each face.
-    "glass": {"int_ior": 1.5},
+    "glass": {"specular": 0.5},
 }
 
 CLEAR: Material = "glass"
@@ -50,7 +50,8 @@ def bsdf(
         keys: The name under which ``mi.traverse`` lists the values of each texture.
     """
     if "albedo" not in textures:
-        return {"type": "thindielectric", **numbers}, {}
+        mirrored = (0.08 * numbers["specular"]) ** 0.5
+        return {"type": "thindielectric", "int_ior": (1 + mirrored) / (1 - mirrored)}, {}
     principled = {"type": "principled", **numbers, "base_color": textures["albedo"]}
     inside, keys = "brdf_0", {}
     if "height" in textures:

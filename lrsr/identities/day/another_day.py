@@ -6,7 +6,7 @@ of change, so that a cap leaves the haircut of that day as it was. The same pers
 give the same bytes.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -88,6 +88,10 @@ class AnotherDay:
     def record(self) -> dict[str, Any]:
         """Return the numbers in plain values; nothing where nothing changes."""
         return {} if self.is_same else {k: v for k, v in asdict(self).items() if k != "name"}
+
+    def later(self, days: int) -> "AnotherDay":
+        """Return the day that comes so many later, of the same numbers; the same if it is none."""
+        return self if self.is_same else replace(self, day=self.day + days)
 
     def stream(self, seed: int, kind: str) -> Generator:
         """Return what one kind of change is drawn from.

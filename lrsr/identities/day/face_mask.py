@@ -31,10 +31,10 @@ _PLEATS = 3
 
 
 def sample_face_mask(rng: Generator) -> dict[str, Any]:
-    """Draw a mask: its colour by name, and how high on the nose it is worn, mm below the pupils."""
+    """Draw a mask: its colour by name, and where it begins between pupils (0) and nose tip (1)."""
     return {
         "colour": str(rng.choice(list(COLOURS), p=[0.5, 0.2, 0.22, 0.08])),
-        "top_mm": float(rng.uniform(12.0, 21.0)),
+        "top": float(rng.uniform(0.34, 0.52)),
     }
 
 
@@ -76,7 +76,7 @@ def _edges(
     nose = float(landmarks[2, 1])
     chin = _chin_height(fit, mouth)
     away = np.abs(azimuth)
-    bridge = max(-mask["top_mm"], nose + 14.0)
+    bridge = mask["top"] * nose
     top = np.interp(away, [0, 8, 22, 45, _HALF_DEG], [0, -1.5, -10.0, -14.0, -20.0]) + bridge
     middle = 0.55 * mouth + 0.45 * chin
     bottom = np.interp(away, [0, 18, 40, _HALF_DEG], [chin - 7, chin - 5, 0.5 * (chin + middle), middle])

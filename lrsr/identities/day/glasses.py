@@ -27,6 +27,8 @@ _HALF_MM = {"metal": (0.8, 0.8), "acetate": (2.1, 1.5)}
 _BEFORE_CORNEA_MM = 15.0
 """Least distance of a lens from the plane of the pupils: 12 mm from the corneas."""
 _CLEAR_MM = 1.2
+_STAND_OFF_MM = 5.0
+_SIZES = 7
 _CURVE_MM = 135.0
 """Radius of the front: lenses of four dioptres."""
 _TILT = np.tan(np.deg2rad(7.0))
@@ -86,11 +88,15 @@ class _Front:
         self._exponent = SHAPES[glasses["shape"]][0]
         self._size = np.array([glasses["width_mm"], glasses["height_mm"]]) / 2
         pupil = float(np.abs(fit.pupils[:, 0]).mean())
-        least = self._size[0] + self._half[0] + 7.0  # half of the narrowest bridge
-        self._x = max(pupil + 1.5, least)
-        self._y = -0.08 * glasses["height_mm"]
-        self._z = 0.0
-        self._z = max(_BEFORE_CORNEA_MM, self._nearest())
+        least = _BEFORE_CORNEA_MM + pupil**2 / (2 * _CURVE_MM)
+        for _ in range(_SIZES):  # a smaller pair, where nose or cheeks push this one off
+            narrowest = self._size[0] + self._half[0] + 7.0  # half a bridge
+            self._x = max(pupil + 1.5, narrowest)
+            self._y, self._z = -0.16 * self._size[1], 0.0
+            self._z = max(least, self._nearest())
+            if self._z < least + _STAND_OFF_MM:
+                break
+            self._size *= 0.94
 
     def outline(self, sign: int, share: float = 1.0) -> Points:
         """Return the edge of a lens, ``(N, 2)``, from its outermost point on; smaller by a share.
