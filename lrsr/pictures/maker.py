@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from lrsr.identities.head import Head
     from lrsr.rendering.radiance import Radiance
     from lrsr.rendering.renderer import Renderer
+    from lrsr.rendering.scene import Quality
     from lrsr.rendering.skin import Skin
+    from lrsr.rendering.survey import Survey
 
 
 class Maker(Protocol):
@@ -26,6 +28,13 @@ class Maker(Protocol):
 
     def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render ``head`` as ``recipe`` says; called in the main thread."""
+
+
+class Surveyor(Maker, Protocol):
+    """A maker that also knows what lies behind each pixel."""
+
+    def survey(self, head: "Head", recipe: Recipe) -> "Survey":
+        """Look at ``head`` as ``recipe`` says; called in the main thread."""
 
 
 class MitsubaMaker:
@@ -57,13 +66,9 @@ class MitsubaMaker:
     def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render with the one renderer of that skin model, whose scene is updated in place."""
         from lrsr.identities.person import describe
-        from lrsr.rendering.renderer import Renderer
 
         quality = recipe.quality
-        model = (quality.skin, quality.max_depth)
-        if model not in self._renderers:
-            self._renderers[model] = Renderer(quality.skin, max_depth=quality.max_depth)
-        radiance = self._renderers[model].render(
+        radiance = self._renderer(quality).render(
             head,
             recipe.scene,
             recipe.film,
@@ -71,6 +76,18 @@ class MitsubaMaker:
             seed=recipe.seed,
         )
         return replace(radiance, traits=describe(head))
+
+    def survey(self, head: "Head", recipe: Recipe) -> "Survey":
+        """Say what lies behind each pixel of that picture."""
+        return self._renderer(recipe.quality).survey(head, recipe.scene, recipe.film)
+
+    def _renderer(self, quality: "Quality") -> "Renderer":
+        from lrsr.rendering.renderer import Renderer
+
+        model = (quality.skin, quality.max_depth)
+        if model not in self._renderers:
+            self._renderers[model] = Renderer(quality.skin, max_depth=quality.max_depth)
+        return self._renderers[model]
 
 
 @cache

@@ -152,10 +152,10 @@ def render_to_folder(
         InputError: ``out`` is a file or holds a broken manifest, or it cannot be written.
     """
     maker = maker or mitsuba_maker()
-    _earlier(settings.out)  # refuses a broken manifest before any work
+    earlier_rows(settings.out)  # refuses a broken manifest before any work
     written = {row.file: row for row in _write_pictures(settings, cache, progress, maker)}
     with locked(settings.out):  # another process may write its rows
-        rows = {row.file: row for row in _earlier(settings.out)}
+        rows = {row.file: row for row in earlier_rows(settings.out)}
         return write_manifest(settings.out, (rows | written).values())
 
 
@@ -185,7 +185,7 @@ def _write_pictures(
                 yield entry
 
 
-def _earlier(folder: Path) -> list[Entry]:
+def earlier_rows(folder: Path) -> list[Entry]:
     """Return the rows of an earlier manifest whose pictures are still there.
 
     Raises:
