@@ -69,6 +69,7 @@ def run_identities(config: "DictConfig") -> Path:
     write_provenance(out, config)
     return out
 
+
 _OF_PROBES = (
     *("ipd_px", "options", "conditions", "lens", "standpoint", "camera"),
     *("expression", "another_day"),

@@ -248,8 +248,9 @@ def sample_head(
 
     Returns:
         The head: parts "skin", "left_eye", "right_eye" (as seen in the image), "lashes", "hair",
-        "mouth"; on another day also "glasses", "lenses", "cap", "face_mask". The same arguments give the same bytes; faces, uv and texture sizes are the same
-        for all seeds.
+        "mouth"; on another day also "glasses", "lenses", "cap", "face_mask", where it
+        may bring them. The same arguments give the same bytes; faces, uv and texture sizes are
+        the same for all seeds.
 
     Raises:
         ValueError: The seed is negative or the texture smaller than 64.

@@ -1,4 +1,4 @@
-"""What does ``lrsr identities export=DIR`` do? Meshes of people, and all that a camera sees of them.
+"""What does ``lrsr identities export=DIR`` do? Meshes of people, and what a camera sees of them.
 
 Each person has a folder, named as the picture of ``lrsr render`` would be:
 
@@ -37,7 +37,6 @@ from lrsr.pictures.image_files import write_png
 from lrsr.pictures.maker import Surveyor, mitsuba_maker
 from lrsr.pictures.mesh_files import write_meshes
 from lrsr.pictures.picture import Picture
-from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import filmed, take_pictures
 from lrsr.pictures.to_folder import RenderSettings, earlier_rows
 from lrsr.rendering.survey import Survey
@@ -116,9 +115,7 @@ def _write_person(folder: Path, head: Head, picture: Picture, seen: Survey) -> N
         _, file = cv2.imencode(".png", np.ascontiguousarray(image))
         write_bytes(folder / f"{name}.png", file.tobytes(), durable=False)
     arrays = io.BytesIO()
-    np.savez_compressed(
-        arrays, depth_m=seen.depth_m, normals=seen.normals, parts=seen.parts
-    )
+    np.savez_compressed(arrays, depth_m=seen.depth_m, normals=seen.normals, parts=seen.parts)
     write_bytes(folder / "geometry.npz", arrays.getvalue(), durable=False)
     write_json(folder / _LAST, describe(head, picture, seen))
 

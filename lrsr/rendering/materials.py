@@ -42,8 +42,8 @@ def bsdf(
 
     Args:
         numbers: Of the material.
-        textures: ``albedo``, none for what is clear; ``roughness`` instead of the number of that name; ``height``, mm, of
-            a bump map.
+        textures: ``albedo``, none for what is clear; ``roughness`` instead of the number of that
+            name; ``height``, mm, of a bump map.
 
     Returns:
         description: The BSDF.

@@ -136,9 +136,7 @@ class Renderer:
         return self._live.integrator(self.max_depth, _ROULETTE_DEPTH)
 
 
-def _viewpoint(
-    head: Head, scene: Scene, film: Film, camera_m: float | None = None
-) -> Viewpoint:
+def _viewpoint(head: Head, scene: Scene, film: Film, camera_m: float | None = None) -> Viewpoint:
     """Place the camera.
 
     Raises:

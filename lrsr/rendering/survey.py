@@ -1,7 +1,8 @@
 """What lies behind each pixel? How far away it is, how it is turned, and which part of the head.
 
-One ray through the centre of each pixel, of the same film, camera and pose as the picture. Mitsuba's
-``aov`` integrator would average over a pixel: half of a face and half of nothing is no distance.
+One ray through the centre of each pixel, of the same film, camera and pose as the picture.
+Mitsuba's ``aov`` integrator would average over a pixel: half of a face and half of nothing is no
+distance.
 """
 
 from collections.abc import Sequence
@@ -23,8 +24,8 @@ class Survey:
     Attributes:
         depth_m: ``(H, W)`` float32, along the optical axis from the pinhole, m; 0 where there is
             nothing.
-        normals: ``(H, W, 3)`` float32, unit vectors of the shading normal, camera frame, towards
-            the camera; 0 where there is nothing.
+        normals: ``(H, W, 3)`` float32, unit vectors, camera frame, smooth over each mesh, on its
+            side that is seen; 0 where there is nothing. Relief finer than the mesh is not in them.
         parts: ``(H, W)`` uint8: 0 where there is nothing, else 1 + the place in ``names``.
         names: Of the parts, in the order of the head.
         to_camera: ``(4, 4)``: from the head frame, mm, to the camera frame, mm.
@@ -44,6 +45,8 @@ class Survey:
         Raises:
             ValueError: There is no such part.
         """
+        if name not in self.names:
+            raise ValueError(f"no part {name!r}: there are {', '.join(self.names)}")
         return np.asarray(self.parts == 1 + self.names.index(name))
 
 
@@ -68,16 +71,14 @@ def survey(
     directions = rays / lengths[:, None] @ to_head[:3, :3].T
     distance, normals, parts = _intersect(scene, names, to_head[:3, 3], directions)
     seen = parts > 0
-    normals = normals @ to_head[:3, :3]  # its transpose turns back
-    away = (normals * rays).sum(axis=1, keepdims=True) > 0
-    normals = np.where(away, -normals, normals) * seen[:, None]
+    normals = normals @ to_head[:3, :3] * seen[:, None]  # its transpose turns back
     depth_m = np.where(seen, distance / lengths, 0.0) / 1000
     return Survey(
         depth_m.reshape(side, side).astype(np.float32),
         normals.reshape(side, side, 3).astype(np.float32),
         parts.reshape(side, side),
         tuple(names),
-        np.linalg.inv(to_head),
+        np.asarray(np.linalg.inv(to_head), dtype=np.float64),
         float(focal),
     )
 
@@ -88,7 +89,7 @@ _Hits = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.uint8]]
 def _intersect(
     scene: Any, names: Sequence[str], origin: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> _Hits:
-    """Return how far each ray gets, mm, the normals there, head frame, and 1 + the part's place.
+    """Return how far each ray gets, mm, the normals met, head frame, and 1 + the part's place.
 
     Where it meets nothing, or a lamp, that is 0.
     """
@@ -101,7 +102,8 @@ def _intersect(
     for place, name in enumerate(names):
         parts[np.array(si.shape == mi.ShapePtr(shapes[name]))] = 1 + place
     distance = np.array(dr.select(si.is_valid(), si.t, 0.0)).astype(np.float64)
-    return distance, np.array(dr.select(si.is_valid(), si.sh_frame.n, 0.0)).T, parts
+    smooth = si.sh_frame.n * dr.select(dr.dot(si.n, ray.d) > 0, -1.0, 1.0)
+    return distance, np.array(dr.select(si.is_valid(), smooth, 0.0)).T, parts
 
 
 def _one_by_one(
@@ -113,5 +115,6 @@ def _one_by_one(
         si = scene.ray_intersect(mi.Ray3f(origin.tolist(), direction.tolist()))
         if si.is_valid() and si.shape.id() in names:
             parts[row] = 1 + names.index(si.shape.id())
-            distance[row], normals[row] = si.t, np.array(si.sh_frame.n)
+            turned = -1.0 if np.dot(si.n, direction) > 0 else 1.0
+            distance[row], normals[row] = si.t, turned * np.array(si.sh_frame.n)
     return distance, normals, parts

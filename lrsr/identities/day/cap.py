@@ -1,7 +1,7 @@
 """How does a baseball cap sit on this head? Over the skull, above ears and brows; hair lies flat.
 
-The crown follows the chart of the skull (:mod:`lrsr.identities.hair.anchors`) at some distance; hair
-that would stand higher than its lining is pressed under it, and bulges again below the rim.
+The crown follows the chart of the skull (:mod:`lrsr.identities.hair.anchors`) at some distance;
+hair that would stand higher than its lining is pressed under it, and bulges again below the rim.
 """
 
 from dataclasses import replace
@@ -98,7 +98,8 @@ class Crown:
     def rim_at(self, azimuth: Points) -> Points:
         """Return the polar angle of the rim, degrees."""
         around = np.arange(AZIMUTHS + 1) * (360.0 / AZIMUTHS)
-        return np.interp(azimuth % 360.0, around, np.append(self.rim_deg, self.rim_deg[0]))
+        rim = np.append(self.rim_deg, self.rim_deg[0])
+        return np.asarray(np.interp(azimuth % 360.0, around, rim))
 
     def point(self, azimuth: Points, polar: Points, radius: Points) -> Points:
         """Return points ``(..., 3)``, mm, at angles and a distance from the skull's centre."""
@@ -109,7 +110,9 @@ class Crown:
     def press(self, hair: Part) -> Part:
         """Return hair that lies under the cap, and bulges below it."""
         offset = hair.vertices.astype(np.float64) - self._fit.centre
-        azimuth, polar = chart_angles(hair.vertices - (self._fit.centre - np.asarray(SKULL_CENTRE_MM)))
+        azimuth, polar = chart_angles(
+            hair.vertices - (self._fit.centre - np.asarray(SKULL_CENTRE_MM))
+        )
         below = np.maximum(polar - self.rim_at(azimuth), 0.0) * _MM_PER_DEG
         room = self.radius_mm(azimuth, polar) - _LINING_MM + below
         radius = np.linalg.norm(offset, axis=1)
@@ -138,7 +141,7 @@ def build_cap(cap: dict[str, Any], crown: Crown) -> Part:
 
 
 def _dome(crown: Crown) -> Mesh:
-    azimuth = np.arange(AZIMUTHS) * (360.0 / AZIMUTHS)
+    azimuth = np.asarray(np.arange(AZIMUTHS) * (360.0 / AZIMUTHS), dtype=np.float64)
     share = np.linspace(0.0, 1.0, _ROWS)[:, None]
     polar = share * crown.rim_deg
     around = np.broadcast_to(azimuth, polar.shape)
@@ -164,6 +167,3 @@ def _brim(cap: dict[str, Any], crown: Crown) -> Mesh:
     top[..., 0] *= 1.0 + 0.04 * np.sin(np.pi * out)
     bottom = top[::-1] - [0.0, 2.0, 0.0]
     return sheet(np.concatenate([top, bottom]))
-
-
-

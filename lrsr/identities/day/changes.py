@@ -57,7 +57,8 @@ def change_person(
         Numbers and face of that day. The numbers have one entry more, ``another_day``: what came
         about, JSON-serialisable.
     """
-    seed, came = numbers["seed"], {}
+    seed = numbers["seed"]
+    came: Numbers = {}
     new: Numbers = {**numbers, "appearance": {**numbers["appearance"]}}
     if years := day.amount(seed, "years"):
         came["years"] = round(years, 2)

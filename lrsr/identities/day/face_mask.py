@@ -79,7 +79,9 @@ def _edges(
     bridge = mask["top"] * nose
     top = np.interp(away, [0, 8, 22, 45, _HALF_DEG], [0, -1.5, -10.0, -14.0, -20.0]) + bridge
     middle = 0.55 * mouth + 0.45 * chin
-    bottom = np.interp(away, [0, 18, 40, _HALF_DEG], [chin - 7, chin - 5, 0.5 * (chin + middle), middle])
+    bottom = np.interp(
+        away, [0, 18, 40, _HALF_DEG], [chin - 7, chin - 5, 0.5 * (chin + middle), middle]
+    )
     return gaussian_filter1d(top, 1.5), gaussian_filter1d(bottom, 3.0)
 
 
@@ -111,7 +113,8 @@ def _taut(skin: Points, height: Points, azimuth: Points) -> Points:
     )
     rows = np.linspace(0.0, 1.0, len(skin))[:, None]
     spanned = smoothstep(0.0, 0.22, rows)
-    return gaussian_filter(skin + spanned * (along - skin), (1.2, 1.2), mode="nearest")
+    spanning = skin + spanned * (along - skin)
+    return np.asarray(gaussian_filter(spanning, (1.2, 1.2), mode="nearest"))
 
 
 def _convex_radius(radius: Points, angle: Points) -> Points:

@@ -53,7 +53,7 @@ class Fit:
         self.skin = np.asarray(skin, dtype=np.float64)
         self.pupils = pupils
         anchors = load_anchors()
-        self.chart = anchors.locate(skin)  # type: ignore[arg-type]  # any float
+        self.chart = anchors.locate(skin)
         moved = self.chart[:, _CRANIUM] - anchors.template[:, _CRANIUM]
         self._shift = moved.mean(axis=(0, 1))
         self.centre = np.asarray(SKULL_CENTRE_MM) + self._shift

@@ -20,7 +20,12 @@ SHAPES = {"round": (2.1, 0.92), "oval": (2.4, 0.74), "square": (3.6, 0.78), "nar
 
 _COLOURS = {
     "metal": ((0.45, 0.44, 0.42), (0.09, 0.09, 0.095), (0.45, 0.33, 0.16)),
-    "acetate": ((0.012, 0.012, 0.013), (0.05, 0.022, 0.01), (0.16, 0.075, 0.03), (0.03, 0.04, 0.07)),
+    "acetate": (
+        (0.012, 0.012, 0.013),
+        (0.05, 0.022, 0.01),
+        (0.16, 0.075, 0.03),
+        (0.03, 0.04, 0.07),
+    ),
 }
 _HALF_MM = {"metal": (0.8, 0.8), "acetate": (2.1, 1.5)}
 """Half the thickness of a rim, in the plane of the lens and across it."""
@@ -104,10 +109,13 @@ class _Front:
         Counter-clockwise seen from in front for both.
         """
         angle = np.linspace(0, 2 * np.pi, _RIM, endpoint=False)
-        x, y = (np.sign(w) * np.abs(w) ** (2 / self._exponent) for w in (np.cos(angle), np.sin(angle)))
+        x, y = (
+            np.sign(w) * np.abs(w) ** (2 / self._exponent) for w in (np.cos(angle), np.sin(angle))
+        )
         y = y * (1.0 + 0.06 * x)  # higher outside
         flat = share * self._size * np.stack([x, y], axis=1) + [self._x, self._y]
-        return flat if sign > 0 else (flat * [-1, 1])[np.r_[0, _RIM - 1 : 0 : -1]]
+        mirrored = (flat * [-1, 1])[np.r_[0, _RIM - 1 : 0 : -1]]
+        return np.asarray(flat if sign > 0 else mirrored)
 
     def place(self, flat: Points) -> Points:
         """Lift places ``(..., 2)`` to the surface, ``(..., 3)``."""

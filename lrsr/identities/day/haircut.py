@@ -64,8 +64,9 @@ def hair_length_mm(hair: Mapping[str, Any]) -> float:
     """Say how long hair is, roughly: hanging hair by where it ends, other by how it stands."""
     if hair["sunk_mm"] > 0:
         return 0.5
-    low = min(hair["lower_mm"])
-    return 100.0 - low if low < AT_HAIRLINE_MM else max(hair["top_mm"], hair["back_mm"])
+    low = float(min(hair["lower_mm"]))
+    stands = float(max(hair["top_mm"], hair["back_mm"]))
+    return 100.0 - low if low < AT_HAIRLINE_MM else stands
 
 
 def _tries(person: Mapping[str, Any], way: str, rng: np.random.Generator) -> Any:

@@ -45,7 +45,8 @@ def dress(
         return tuple(parts), {}
     fit = Fit(parts[0].vertices, pupils)
     worn: dict[str, str] = {}
-    dressed, things = list(parts), []
+    dressed = list(parts)
+    things: list[Part] = []
 
     def keep(kind: str, what: str, made: Sequence[Part]) -> bool:
         is_worn = day.wears(seed, kind)

@@ -12,7 +12,7 @@ OWN = ("seed", "sex", "masculinity", "ancestry")
 SKIN_DEEP = ("marks", "iris", "lips", "lashes")
 
 
-@pytest.mark.parametrize("kind", (*KINDS, "everything"))
+@pytest.mark.parametrize("kind", [*KINDS, "everything"])
 def test_the_person_stays(person: Make, kind: str) -> None:
     then, now = person(1), person(1, kind)
     for name in OWN:
