@@ -86,7 +86,7 @@ class LiveScene:
             if self._model() == "volumetric":
                 path = {"type": "volpathmis", "max_depth": LONGEST_PATH}
             self._integrator = (
-                subsurface_integrator(self.skin, self._surfaces, *depths)
+                subsurface_integrator(self.skin, self._surfaces, *depths, glazed=self._is_glazed())
                 if self._surfaces
                 else mi.load_dict(path)
             )

@@ -48,7 +48,7 @@ def test_probes_have_the_expression_and_the_day_that_were_asked_for_and_the_gall
     None
 ):
     words = ["expression=smile", "another_day=glasses", "options=[1,2]"]
-    settings = Design.from_config(composed(*words, "conditions.2.another_day=cap"))
+    settings = Design.from_config(composed(*words, "+conditions.2.another_day=cap"))
     first, second = (condition.scene for condition in settings.conditions)
     assert first is not None
     assert second is not None
