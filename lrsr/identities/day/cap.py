@@ -21,6 +21,7 @@ from lrsr.identities.hair.anchors import (
     chart_angles,
 )
 from lrsr.identities.head import Part
+from lrsr.identities.ramp import smoothstep
 
 COLOURS = {
     "black": (0.013, 0.013, 0.014),
@@ -37,6 +38,7 @@ _BRIM_MM = 68.0
 _STANDS_MM = (9.0, 4.5)
 """How far the cloth is off the skull, at the crown and at the rim."""
 _LINING_MM = 1.5
+_UNDER_BRIM_MM = 9.0
 _ABOVE_EARS_MM = 7.0
 _MM_PER_DEG = 1.6
 
@@ -114,7 +116,9 @@ class Crown:
             hair.vertices - (self._fit.centre - np.asarray(SKULL_CENTRE_MM))
         )
         below = np.maximum(polar - self.rim_at(azimuth), 0.0) * _MM_PER_DEG
-        room = self.radius_mm(azimuth, polar) - _LINING_MM + below
+        brim = smoothstep(_BRIM_DEG, _BRIM_DEG - 12.0, np.abs(azimuth))  # which hair lies under
+        bulge = below - 0.9 * brim * np.minimum(below, _UNDER_BRIM_MM)
+        room = self.radius_mm(azimuth, polar) - _LINING_MM + bulge
         radius = np.linalg.norm(offset, axis=1)
         pressed = offset * np.minimum(1.0, room / np.maximum(radius, 1e-6))[:, None]
         vertices = (self._fit.centre + pressed).astype(np.float32)
