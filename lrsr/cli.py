@@ -38,7 +38,7 @@ _COMMANDS = {
     "render": "probes, references and gallery into a folder",
     "train": "sr=srcnn2x|srcnn4x|edsr2x|edsr4x or recognition=arcface",
     "eval": "an experiment: results.json, report.html",
-    "identities": "contact sheet, who they are, uniqueness check",
+    "identities": "contact sheet, who they are, uniqueness check; export=DIR: meshes",
     "fit-camera": "a camera preset from real pictures in images=DIR",
 }
 """What each does; ``lrsr.tasks.run_COMMAND`` does it."""
@@ -56,6 +56,7 @@ examples:
   lrsr render identities.count=3 pose=left lighting=above ipd_px=8 out=probes
   lrsr train sr=srcnn4x identities.count=300
   lrsr identities identities.count=1500 identities.sex=female
+  lrsr identities export=meshes identities.count=3 pose=left
   lrsr fit-camera images=probes name=lobby
   lrsr render camera=runs/fit-camera/.../lobby.yaml out=probes
 

@@ -21,7 +21,19 @@ _OPEN = {"sr", "conditions", "trainer", "callbacks", "logger", "optimizer", "sch
 """Sections that take parts under any name."""
 
 _EXTRA = "debug"  # the group that no command has from the start
-_PATHS = {"out", "images", "run", "runs", "cache", "model", "roster", "map", "weights", "root"}
+_PATHS = {
+    "out",
+    "export",
+    "images",
+    "run",
+    "runs",
+    "cache",
+    "model",
+    "roster",
+    "map",
+    "weights",
+    "root",
+}
 _QUOTED = r'"(?:[^"\\]|\\.)*"|' + r"'(?:[^'\\]|\\.)*'"
 _WORD = re.compile(r"(~|\+{0,2})([^=@]*)(@[^=]*)?(?:=(.*))?", re.DOTALL)
 

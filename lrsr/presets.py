@@ -13,6 +13,7 @@ _PLAIN = {
     "lens": "pinhole",
     "standpoint": "level",
     "expression": "neutral",
+    "another_day": "none",
     "rendering/skin": "reflective",
 }
 """What a mapping without ``_target_`` changes."""

@@ -48,11 +48,60 @@ def run_eval(config: "DictConfig") -> Path:
         return result
 
 
-run_demo = run_identities = run_eval
+run_demo = run_eval
 
-_OF_PROBES = ("ipd_px", "options", "conditions", "lens", "standpoint", "camera")
+
+def run_identities(config: "DictConfig") -> Path:
+    """Check that people differ, or export them where ``export`` names a folder.
+
+    Raises:
+        InputError: A setting is wrong, or would not be read.
+    """
+    out = path_if_any(config.export)
+    if out is None:
+        _refuse(_OF_EXPORTS, "only export=DIR reads it; leave it")
+        return run_eval(config)
+    _refuse(_OF_THE_CHECK, "export=DIR does not read it; leave it")
+    from omegaconf import OmegaConf
+
+    from lrsr.pictures.export import export_to_folder
+    from lrsr.pictures.sitting import read_probes
+    from lrsr.pictures.to_folder import RenderSettings
+    from lrsr.rendering.scene import Film
+
+    settings = RenderSettings(
+        out=out,
+        sitting=read_probes(config, Film(number(config, "ipd_px"))),
+        camera=build(config.camera, "camera"),
+        camera_settings=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
+    )
+    make_folder(out)
+    export_to_folder(settings, _cache(config))
+    write_provenance(out, config)
+    return out
+
+
+_OF_PROBES = (
+    *("ipd_px", "options", "conditions", "lens", "standpoint", "camera"),
+    *("expression", "another_day"),
+)
 _OF_PEOPLE = ("identities", "rendering")
-_OF_SCENES = ("pose", "lighting", "lens", "standpoint", "expression", "ipd_px", "compression")
+_OF_SCENES = (
+    *("pose", "lighting", "lens", "standpoint", "expression", "another_day"),
+    *("ipd_px", "compression"),
+)
+_OF_EXPORTS = ("pose", "lighting", "expression", "another_day", "ipd_px", "lens", "standpoint")
+_OF_THE_CHECK = ("gallery", "recognition", "encoder", "smallest_angle_deg", "most_redraws")
+
+
+def _refuse(unread: Collection[str], why: str) -> None:
+    """Refuse what was typed and would not be read.
+
+    Raises:
+        InputError: Something was.
+    """
+    for key in _typed_of(unread):
+        raise InputError(f"{key}: {why}")
 
 
 def _refuse_unread(config: "DictConfig") -> None:
@@ -66,8 +115,8 @@ def _refuse_unread(config: "DictConfig") -> None:
     keys = ("probes", "gallery")
     folders = [key for key in keys if OmegaConf.select(config, f"{key}.folder") is not None]
     unread = [*(_OF_PROBES if "probes" in folders else ()), *(_OF_PEOPLE if folders[1:] else ())]
-    for key in _typed_of(unread):
-        raise InputError(f"{key}: photographs in {folders[0]}.folder are as they are; leave it")
+    if folders:
+        _refuse(unread, f"photographs in {folders[0]}.folder are as they are; leave it")
 
 
 def _tell_unread(kind: str) -> None:

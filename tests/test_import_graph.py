@@ -42,6 +42,7 @@ HOMES = {
     "lightning": {"training"},
     "anny": {"identities"},
     "dlib": {"recognition"},
+    "trimesh": {"pictures"},
 }
 
 

@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 
+_OF_EVERY_PROBE = ("lens", "standpoint", "expression", "another_day")
+"""What all conditions share, but for those that say otherwise."""
+
+
 @dataclass(frozen=True)
 class Condition:
     """One way to photograph everyone: an option of the experiment at one size.
@@ -65,8 +69,11 @@ class Condition:
         """What a report calls it."""
         size = "" if self.ipd_px is None else f", IPD {self.ipd_px:g} px"
         known = {"pose": self.pose, "light": self.lighting, "compression": self.compression}
-        told = ", ".join(f"{word} {name}" for word, name in known.items() if name)
-        return f"Option {self.option}{size}" + (f": {told}" if told else "")
+        told = [f"{word} {name}" for word, name in known.items() if name]
+        if self.scene is not None:
+            worn = (self.scene.expression.name, self.scene.another_day.name)
+            told += [name for name in worn if name not in ("neutral", "none")]
+        return f"Option {self.option}{size}" + (f": {', '.join(told)}" if told else "")
 
 
 @dataclass(frozen=True)
@@ -171,7 +178,7 @@ class Design:
 def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
     table = numbered(config, "conditions")
     usual: dict[str, Any] = {"pose": "frontal", "lighting": "frontal", "compression": "none"}
-    usual |= {"lens": config.lens, "standpoint": config.standpoint}
+    usual |= {group: config[group] for group in _OF_EVERY_PROBE}
     chosen, sizes = whole_numbers(config, "options"), numbers(config, "ipd_px")
     for option in chosen:
         require(option in table, "options", option, f"one of {sorted(table)}")
@@ -180,8 +187,8 @@ def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
         node = usual | settings
         compression = as_word(node.pop("compression"), f"conditions.{option}.compression")
         for group in node:
-            wish = f"no such setting; there are {', '.join((*usual, 'expression'))}"
-            require(group in (*usual, "expression"), f"conditions.{option}", group, wish)
+            wish = f"no such setting; there are {', '.join(usual)}"
+            require(group in usual, f"conditions.{option}", group, wish)
         scene = Scene(**{group: value_of(group, node[group]) for group in node})
         scenes[option] = Condition(option, scene, compression, sizes[0] if sizes else 8.0)
     return tuple(replace(scenes[option], ipd_px=ipd) for ipd in sizes for option in chosen)

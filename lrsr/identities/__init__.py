@@ -6,6 +6,7 @@ Nothing heavy is imported until the first of these names is used.
 from importlib import import_module
 
 _HOMES = {
+    "AnotherDay": "day.another_day",
     "Expression": "face.expression",
     "Head": "head",
     "Person": "person",

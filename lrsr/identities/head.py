@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Material = Literal["skin", "eye", "hair", "lash"]
+Material = Literal["skin", "eye", "hair", "lash", "plastic", "metal", "glass", "cloth"]
 
 LANDMARK_NAMES = ("left_eye", "right_eye", "nose", "mouth_left", "mouth_right")
 """Order of the five ArcFace landmarks, named **as seen in the image** of a frontal face.

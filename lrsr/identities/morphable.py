@@ -16,6 +16,9 @@ from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
 from lrsr.identities.appearance import SkinMaps, SkinPainter, sample_appearance
+from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
+from lrsr.identities.day.changes import change_person
+from lrsr.identities.day.worn import dress
 from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.identities.face.eyes import Eyes, eye_chart, eyeball_vertices, unit_ball
 from lrsr.identities.face.iris import paint_eye
@@ -136,6 +139,20 @@ def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
     }
 
 
+def _another_day(
+    parameters: dict[str, Any], face: RestingFace, day: AnotherDay
+) -> tuple[dict[str, Any], RestingFace]:
+    """Let a day come over a person."""
+
+    def appearance_at(age: float) -> Mapping[str, Any]:
+        shares = [parameters["ancestry"][race] for race in ANCESTRIES]
+        masculinity = parameters["masculinity"]
+        rng = stream(parameters["seed"], "appearance")
+        return sample_appearance(rng, masculinity=masculinity, age=age, ancestry=shares)
+
+    return change_person(parameters, face, day, appearance_at)
+
+
 def _draw_face(who: Mapping[str, Any], attempt: int) -> tuple[Anatomy, RestingFace]:
     names, rng = load_basis().names, stream(who["seed"], "anatomy", attempt)
     traits = {trait: who[trait] for trait in ("masculinity", "age", "ancestry")}
@@ -215,6 +232,7 @@ def sample_head(
     texture_size: int = 1024,
     population: Population = EVERYBODY,
     expression: Expression = NEUTRAL,
+    another_day: AnotherDay = SAME_DAY,
 ) -> Head:
     """Make the person of a seed.
 
@@ -224,32 +242,40 @@ def sample_head(
         population: From whom the person is drawn.
         expression: What the face does, beyond the person's resting face.
             The person is the same: no texture changes, nor do eyeballs and pupils.
+        another_day: What has changed since the person was enrolled, and what is worn.
 
     Returns:
         The head: parts "skin", "left_eye", "right_eye" (as seen in the image), "lashes", "hair",
-        "mouth". The same arguments give the same bytes; faces, uv and texture sizes are the same
-        for all seeds.
+        "mouth"; on another day also "glasses", "lenses", "cap", "face_mask", where it
+        may bring them. The same arguments give the same bytes; faces, uv and texture sizes are
+        the same for all seeds.
 
     Raises:
         ValueError: The seed is negative or the texture smaller than 64.
     """
     parameters, face = _draw_person(seed, population)
+    if not another_day.is_same:
+        parameters, face = _another_day(parameters, face, another_day)
     acting, points = act(face, expression)
     eyes, surface = face.eyes, load_basis().surface
     points = cavity().hollow(points)
     albedo, height, roughness, displacement = _paint_skin(parameters, texture_size)
     relief = displace(points, surface.faces, displacement * cavity().outside)
     skin = clear_lids(relief, eyes, template().lids).astype(np.float32)
-    parts = (
+    parts: tuple[Part, ...] = (
         Part("skin", "skin", skin, surface.faces, surface.uv, albedo, height, roughness),
         *_make_eyes(eyes, lid_margins(points, eyes, template().lids), parameters),
         build_hair(parameters["hair"], skin, seed),
         _make_mouth(face.shape, acting, parameters),
     )
+    landmarks = np.concatenate([eyes.pupils, points[surface.landmarks]])
+    parts, worn = dress(parts, eyes.pupils, landmarks, another_day, seed)
+    if not another_day.is_same:
+        parameters["another_day"] |= worn
     return Head(
         identity_id=f"seed-{seed:08d}",
         parts=parts,
         pupils=eyes.pupils,
-        landmarks=np.concatenate([eyes.pupils, points[surface.landmarks]]),
+        landmarks=landmarks,
         parameters=parameters,
     )

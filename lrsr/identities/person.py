@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lrsr.configuration import as_whole
 from lrsr.errors import InputError
+from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.head import Head
 from lrsr.identities.population import EVERYBODY, Population
@@ -81,12 +82,15 @@ class Person:
         words = [self.split, f"{self.index:05d}", self.population.tag]
         return "-".join(filter(None, [*words, f"draw{self.draw}" if self.draw else ""]))
 
-    def head(self, expression: Expression, texture_size: int) -> Head:
+    def head(
+        self, expression: Expression, texture_size: int, another_day: AnotherDay = SAME_DAY
+    ) -> Head:
         """Build the head.
 
         Args:
             expression: What the face does.
             texture_size: Of the albedo, px.
+            another_day: What has changed since the person was enrolled.
         """
         from lrsr.identities.morphable import sample_head  # measures the space: a second
 
@@ -95,6 +99,7 @@ class Person:
             texture_size=texture_size,
             population=self.population,
             expression=expression,
+            another_day=another_day,
         )
         return replace(head, identity_id=self.id)
 
@@ -111,6 +116,7 @@ class Traits:
         skin_tone: Its class, one of :data:`TONES`.
         gate: What was drawn again and why, as :func:`lrsr.identities.gate.gate.record` writes it;
             None where it was not recorded.
+        changes: What another day has done, by its kind; None: the person is as enrolled.
     """
 
     sex: str
@@ -119,6 +125,7 @@ class Traits:
     ita_deg: float
     skin_tone: str
     gate: Mapping[str, Any] | None = None
+    changes: Mapping[str, Any] | None = None
 
 
 def describe(head: Head) -> Traits:
@@ -143,6 +150,7 @@ def describe(head: Head) -> Traits:
         ita_deg=round(ita_deg, 2),
         skin_tone=tone_of(ita_deg),
         gate=drawn.get("gate"),  # type: ignore[arg-type]  # a record
+        changes=drawn.get("another_day"),  # type: ignore[arg-type]  # another
     )
 
 

@@ -61,6 +61,8 @@ class Entry:
         skin: Name of what light meets.
         samples_per_pixel: Of the ×1 film.
         run_seed: From which that of the sampler follows.
+        another_day: Name of what may have changed since the person was enrolled.
+        changes: What has, e.g. "hair=cut years=4.2 glasses=round".
         settings: Everything that made the picture, as JSON.
         further: Columns that are not ours, by their names.
     """
@@ -91,6 +93,8 @@ class Entry:
     skin: str = ""
     samples_per_pixel: int | None = None
     run_seed: int | None = None
+    another_day: str = ""
+    changes: str = ""
     settings: str = ""
     further: Mapping[str, str] = field(default_factory=dict)
 
@@ -110,6 +114,7 @@ def about(traits: Traits | None) -> dict[str, Any]:
         "ancestry": " ".join(f"{race}={share:g}" for race, share in traits.ancestry.items()),
         "ita_deg": f"{traits.ita_deg:g}",
         "skin_tone": traits.skin_tone,
+        "changes": " ".join(f"{kind}={what}" for kind, what in (traits.changes or {}).items()),
     }
 
 

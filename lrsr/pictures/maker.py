@@ -9,6 +9,7 @@ from lrsr.pictures.recipe import Recipe
 if TYPE_CHECKING:
     from lrsr.identities.head import Head
     from lrsr.rendering.radiance import Radiance
+    from lrsr.rendering.survey import Survey
 
 
 class Maker(Protocol):
@@ -23,6 +24,13 @@ class Maker(Protocol):
 
     def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render ``head`` as ``recipe`` says; called in the main thread."""
+
+
+class Surveyor(Maker, Protocol):
+    """A maker that also knows what lies behind each pixel."""
+
+    def survey(self, head: "Head", recipe: Recipe) -> "Survey":
+        """Look at ``head`` as ``recipe`` says; called in the main thread."""
 
 
 class MitsubaMaker:
@@ -45,7 +53,8 @@ class MitsubaMaker:
 
     def head(self, recipe: Recipe) -> "Head":
         """Build the person of ``recipe``, under the name that the split gives."""
-        return recipe.person.head(recipe.scene.expression, recipe.quality.texture_size)
+        scene, size = recipe.scene, recipe.quality.texture_size
+        return recipe.person.head(scene.expression, size, scene.another_day)
 
     def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render with the one renderer of that skin model, whose scene is updated in place."""
@@ -61,3 +70,11 @@ class MitsubaMaker:
             seed=recipe.seed,
         )
         return replace(radiance, traits=describe(head))
+
+    def survey(self, head: "Head", recipe: Recipe) -> "Survey":
+        """Say what lies behind each pixel of that picture."""
+        from lrsr.rendering.renderer import shared_renderer
+
+        quality = recipe.quality
+        renderer = shared_renderer(quality.skin, quality.max_depth)
+        return renderer.survey(head, recipe.scene, recipe.film)

@@ -62,8 +62,9 @@ class Recipe:
         other = [person.population] if person.population != EVERYBODY else []
         redrawn = [person.draw] if person.draw else []
         acted = [scene.expression] if scene.expression.units else []
+        later = [] if scene.another_day.is_same else [{"another_day": scene.another_day.record()}]
         seen = [self._seen()] if self._seen() else []
-        words = [*what, self.film.ipd_px, self.film.scale, *other, *redrawn, *acted, *seen]
+        words = [*what, self.film.ipd_px, self.film.scale, *other, *redrawn, *acted, *later, *seen]
         return replace(self, seed=derived_seed(as_whole(seed, "seed"), *words))
 
     def _seen(self) -> dict[str, Any]:
@@ -81,6 +82,7 @@ class Recipe:
             versions: Of the code that makes them, e.g. ``{"renderer": "3", "variant": ...}``.
         """
         pose, lighting = asdict(self.scene.pose), self.scene.lighting.record()
+        day = self.scene.another_day
         for named in (pose, lighting):
             del named["name"]
         return {
@@ -88,6 +90,7 @@ class Recipe:
             "pose": pose,
             "lighting": lighting,
             "expression": dict(self.scene.expression.units),
+            **({} if day.is_same else {"another_day": day.record()}),
             **self._seen(),
             "film": asdict(self.film),
             "quality": {**asdict(self.quality), "skin": self.quality.skin.plain()},

@@ -75,7 +75,8 @@ def render_missing(
         return 0
     people: dict[tuple[object, ...], list[str]] = {}
     for key, recipe in missing.items():
-        shown = (recipe.person, recipe.quality.texture_size, recipe.scene.expression)
+        worn = (recipe.scene.expression, recipe.scene.another_day)
+        shown = (recipe.person, recipe.quality.texture_size, *worn)
         people.setdefault(shown, []).append(key)
     firsts = [missing[keys[0]] for keys in people.values()]
     with tqdm(total=len(missing), desc="rendering", unit="image", disable=not progress) as bar:

@@ -72,10 +72,13 @@ def read_people(config: "DictConfig") -> IdentityRange:
 def _read_scene(config: "DictConfig") -> Scene:
     """Read what stands before the camera from the groups of a command.
 
+    Args:
+        config: Of a command, or of its gallery; what it has no group for is as usual.
+
     Raises:
         InputError: A value is wrong.
     """
-    groups = ("lighting", "pose", "lens", "standpoint", "expression")
+    groups = ("lighting", "pose", "lens", "standpoint", "expression", "another_day")
     return Scene(**{name: value_of(name, config[name]) for name in groups if name in config})
 
 
@@ -127,9 +130,7 @@ def read_gallery(config: "DictConfig") -> Sitting:
     require(film.ipd_px >= 4, "gallery.ipd_px", film.ipd_px, "at least 4")
     return Sitting(
         people=read_people(config),
-        scene=Scene(
-            lighting=value_of("lighting", enrolled.lighting), pose=value_of("pose", enrolled.pose)
-        ),
+        scene=_read_scene(enrolled),
         film=film,
         quality=replace(read_quality(config), samples_per_pixel=samples),
         kind="gallery",

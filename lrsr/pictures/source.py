@@ -111,9 +111,10 @@ def references_of(probes: Photographs, scale: int) -> Photographs | None:
 
 
 def _scene(entry: Entry) -> tuple[object, ...]:
-    held = (entry.pose, entry.yaw_deg, entry.pitch_deg, entry.roll_deg, entry.expression)
+    held = (entry.pose, entry.yaw_deg, entry.pitch_deg, entry.roll_deg)
+    worn = (entry.expression, entry.another_day)
     seen = (entry.lighting, entry.lens, entry.standpoint, entry.skin)
-    return (entry.identity_id, *held, *seen, entry.ipd_px, entry.run_seed)
+    return (entry.identity_id, *held, *worn, *seen, entry.ipd_px, entry.run_seed)
 
 
 def chunks(source: Source) -> Iterator[tuple[slice, list[Picture]]]:

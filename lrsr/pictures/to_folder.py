@@ -98,8 +98,8 @@ class Shoot:
         names = ("name", "exposure_ev", "compression", "bands", "adapted")
         told = {**self.camera_settings, **{name: getattr(camera, name) for name in names}}
         made_by = {"recipe": recipe.plain(versions), "camera": told}
-        usual = {"neutral", "pinhole", "level", "reflective", "reference"}
-        further = (scene.expression, scene.lens, scene.standpoint, skin, camera)
+        usual = {"neutral", "none", "pinhole", "level", "reflective", "reference"}
+        further = (scene.expression, scene.another_day, scene.lens, scene.standpoint, skin, camera)
         words = [picture.identity_id, self.sitting.kind, scene.pose.name, scene.lighting.name]
         words += [camera.compression, *(each.name for each in further if each.name not in usual)]
         words += [digest(made_by)[:8], f"ipd{film.ipd_px:g}", f"x{picture.scale}"]
@@ -125,6 +125,7 @@ class Shoot:
             skin=skin.name,
             samples_per_pixel=recipe.quality.samples_per_pixel,
             run_seed=self.sitting.seed,
+            another_day=scene.another_day.name,
             settings=json.dumps(made_by, sort_keys=True),
         )
 
@@ -151,10 +152,10 @@ def render_to_folder(
         InputError: ``out`` is a file or holds a broken manifest, or it cannot be written.
     """
     maker = maker or MitsubaMaker()
-    _earlier(settings.out)  # refuses a broken manifest before any work
+    earlier_rows(settings.out)  # refuses a broken manifest before any work
     written = {row.file: row for row in _write_pictures(settings, cache, progress, maker)}
     with locked(settings.out):  # another process may write its rows
-        rows = {row.file: row for row in _earlier(settings.out)}
+        rows = {row.file: row for row in earlier_rows(settings.out)}
         return write_manifest(settings.out, (rows | written).values())
 
 
@@ -184,7 +185,7 @@ def _write_pictures(
                 yield entry
 
 
-def _earlier(folder: Path) -> list[Entry]:
+def earlier_rows(folder: Path) -> list[Entry]:
     """Return the rows of an earlier manifest whose pictures are still there.
 
     Raises:

@@ -21,7 +21,7 @@ from lrsr.rendering.environment import environment
 from lrsr.rendering.geometry import world_to_head
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.live_lights import describe_panels, map_data, move_panels, opaque_transform
-from lrsr.rendering.materials import MATERIALS, bsdf
+from lrsr.rendering.materials import CLEAR, MATERIALS, bsdf
 from lrsr.rendering.painted_skin import SkinSurface
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.skin import Skin
@@ -33,6 +33,9 @@ from lrsr.rendering.skin_medium import (
 )
 from lrsr.rendering.skin_spectrum import VALUES, skin_albedo
 from lrsr.rendering.subsurface import subsurface_integrator
+
+_PANES = 4
+"""Edges of a path that panes of glass may add: in and out, towards a face and back."""
 
 logger = logging.getLogger(__name__)
 
@@ -72,20 +75,26 @@ class LiveScene:
         """Return what traces the scene that was shown last, always with the same two numbers.
 
         Args:
-            max_depth: Longest path, in edges from the camera.
+            max_depth: Longest path, in edges from the camera; edges through glasses are further.
             roulette_depth: From which bounce on dim paths may end by chance.
         """
         if self._integrator is None:
+            max_depth += _PANES if self._is_glazed() else 0
             depths = (max_depth, roulette_depth)
-            path = {"type": "path", "max_depth": max_depth, "rr_depth": roulette_depth}
+            kind = "volpath" if self._is_glazed() else "path"  # whose lights shine through panes
+            path = {"type": kind, "max_depth": max_depth, "rr_depth": roulette_depth}
             if self._model() == "volumetric":
                 path = {"type": "volpathmis", "max_depth": LONGEST_PATH}
             self._integrator = (
-                subsurface_integrator(self.skin, self._surfaces, *depths)
+                subsurface_integrator(self.skin, self._surfaces, *depths, glazed=self._is_glazed())
                 if self._surfaces
                 else mi.load_dict(path)
             )
         return self._integrator
+
+    def _is_glazed(self) -> bool:
+        shown = self._head
+        return shown is not None and any(part.material == CLEAR for part in shown.parts)
 
     def _model(self) -> str:
         if mi.variant().startswith("scalar") and self.skin.model == "subsurface":
@@ -192,6 +201,8 @@ def _same(new: NDArray[Any], old: NDArray[Any]) -> bool:
 
 def _textures(part: Part) -> list[tuple[str, NDArray[np.float32]]]:
     """Return the textures that a part has by their names, each ``(H, W, channels)``."""
+    if part.material == CLEAR:
+        return []
     maps = (("height", part.height), ("roughness", part.roughness))
     given = [(name, texture[..., None]) for name, texture in maps if texture is not None]
     return [("albedo", part.albedo), *given]

@@ -22,23 +22,36 @@ MATERIALS: Mapping[Material, Mapping[str, float]] = {
     "hair": {"roughness": 0.45, "specular": 0.4, "anisotropic": 0.5},
     # Too thin to shine (estimated).
     "lash": {"roughness": 0.9, "specular": 0.0},
+    # Acetate, index 1.48, polished; gold, steel or lacquer, brushed (both estimated).
+    "plastic": {"roughness": 0.3, "specular": 0.47},
+    "metal": {"roughness": 0.35, "metallic": 0.9},
+    # Woven cotton and fleece: no mirror, a little fuzz (estimated).
+    "cloth": {"roughness": 0.85, "specular": 0.15, "sheen": 0.3},
+    # Thin lenses of CR-39 plastic: index 1.5, 4 % reflected by each face.
+    "glass": {"specular": 0.5},
 }
+
+CLEAR: Material = "glass"
+"""What light goes through, without colour: it has no texture."""
 
 
 def bsdf(
     numbers: Mapping[str, float], textures: Mapping[str, dict[str, Any]]
 ) -> tuple[dict[str, Any], dict[str, str]]:
-    """Describe a two-sided principled BSDF for ``mi.load_dict``.
+    """Describe a two-sided principled BSDF for ``mi.load_dict``, or a thin clear sheet.
 
     Args:
         numbers: Of the material.
-        textures: ``albedo``; ``roughness`` instead of the number of that name; ``height``, mm, of
-            a bump map.
+        textures: ``albedo``, none for what is clear; ``roughness`` instead of the number of that
+            name; ``height``, mm, of a bump map.
 
     Returns:
         description: The BSDF.
         keys: The name under which ``mi.traverse`` lists the values of each texture.
     """
+    if "albedo" not in textures:
+        mirrored = (0.08 * numbers["specular"]) ** 0.5
+        return {"type": "thindielectric", "int_ior": (1 + mirrored) / (1 - mirrored)}, {}
     principled = {"type": "principled", **numbers, "base_color": textures["albedo"]}
     inside, keys = "brdf_0", {}
     if "height" in textures:

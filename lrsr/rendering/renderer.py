@@ -12,13 +12,14 @@ from lrsr.presets import preset
 from lrsr.rendering.backend import alone
 from lrsr.rendering.environment import environment
 from lrsr.rendering.exposure import expose
-from lrsr.rendering.geometry import place_camera
+from lrsr.rendering.geometry import Viewpoint, place_camera
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.live_scene import LiveScene
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.rendering.skin import REFLECTIVE, Skin
 from lrsr.rendering.spectral_upsampling import meter_bands
+from lrsr.rendering.survey import Survey, survey
 from lrsr.spectra import band_edges
 
 RENDERER_VERSION = "3"
@@ -82,17 +83,7 @@ class Renderer:
                 f"samples_per_pixel={samples_per_pixel}, seed={seed}, camera_m={camera_m}: give"
                 " samples_per_pixel >= 1, seed >= 0, camera_m > 0"
             )
-        pose, standpoint = scene.pose, scene.standpoint
-        try:
-            viewpoint = place_camera(
-                head.pupils,
-                film.ipd_px,
-                offset_mm=pose.frame_offset_mm(),
-                camera_m=standpoint.camera_m if camera_m is None else camera_m,
-                above_m=standpoint.above_m,
-            )
-        except ValueError as error:
-            raise InputError(f"standpoint {standpoint.name!r}: {error}; give another") from error
+        pose, viewpoint = scene.pose, _viewpoint(head, scene, film, camera_m)
         image = expose(
             self._live.show(head, scene.lighting, pose),
             self._path(),
@@ -120,8 +111,48 @@ class Renderer:
             **_spectrum(scene.lighting, film.bands),
         )
 
+    @alone()
+    def survey(self, head: Head, scene: Scene, film: Film) -> Survey:
+        """Say what lies behind each pixel of the picture that :meth:`render` makes of the same.
+
+        Args:
+            head: Who; already wears the scene's expression.
+            scene: As for the picture; light does not matter.
+            film: Its bands do not matter.
+
+        Raises:
+            InputError: The lens is no pinhole, or the camera cannot see the face from there.
+        """
+        if not scene.lens.is_pinhole:
+            raise InputError(
+                f"lens={scene.lens.name}: what lies behind a pixel is told of lens=pinhole"
+            )
+        viewpoint = _viewpoint(head, scene, film)
+        live = self._live.show(head, scene.lighting, scene.pose)
+        names = [part.name for part in head.parts]
+        return survey(live, names, viewpoint, scene.pose, film.scale)
+
     def _path(self) -> Any:
         return self._live.integrator(self.max_depth, _ROULETTE_DEPTH)
+
+
+def _viewpoint(head: Head, scene: Scene, film: Film, camera_m: float | None = None) -> Viewpoint:
+    """Place the camera.
+
+    Raises:
+        InputError: It cannot see the face from there.
+    """
+    standpoint = scene.standpoint
+    try:
+        return place_camera(
+            head.pupils,
+            film.ipd_px,
+            offset_mm=scene.pose.frame_offset_mm(),
+            camera_m=standpoint.camera_m if camera_m is None else camera_m,
+            above_m=standpoint.above_m,
+        )
+    except ValueError as error:
+        raise InputError(f"standpoint {standpoint.name!r}: {error}; give another") from error
 
 
 def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from lrsr.configuration import require, settle
+from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
 from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.rendering.lens import PINHOLE, Lens
 from lrsr.rendering.lighting import Lighting
@@ -31,6 +32,7 @@ class Scene:
         lens: What the camera looks through.
         standpoint: Where the camera stands.
         expression: What the face does.
+        another_day: What has changed since the person was enrolled, and what is worn.
     """
 
     lighting: Lighting
@@ -38,6 +40,7 @@ class Scene:
     lens: Lens = PINHOLE
     standpoint: Standpoint = LEVEL
     expression: Expression = NEUTRAL
+    another_day: AnotherDay = SAME_DAY
 
     def describe(self) -> dict[str, Any]:
         """Return all of it in plain values, names included."""
@@ -47,6 +50,7 @@ class Scene:
             "lens": {"name": self.lens.name, **self.lens.record()},
             "standpoint": asdict(self.standpoint),
             "expression": asdict(self.expression),
+            "another_day": asdict(self.another_day),
         }
 
 

@@ -33,6 +33,7 @@ from typing import Any
 from lrsr.rendering.backend import dr, mi
 from lrsr.rendering.exit_points import jitted
 from lrsr.rendering.painted_skin import PaintedSkin, Sampling, SkinSurface
+from lrsr.rendering.panes import is_pane, pass_panes, sample_light
 from lrsr.rendering.skin import Skin
 from lrsr.rendering.skin_vertex import SkinVertex
 
@@ -43,6 +44,8 @@ def subsurface_integrator(
     max_depth: int = 5,
     roulette_depth: int = 2,
     sampling: Sampling | None = None,
+    *,
+    glazed: bool = False,
 ) -> Any:
     """Make the integrator for one scene, in whichever variant is set.
 
@@ -52,13 +55,14 @@ def subsurface_integrator(
         max_depth: Longest path, in edges from the camera; the way under the skin is no edge.
         roulette_depth: From which bounce on dim paths may end by chance.
         sampling: How exit points are sampled.
+        glazed: There are panes that lights shine through.
 
     Returns:
         ``mi.SamplingIntegrator``.
     """
     depths = (max_depth, roulette_depth)
     tracer = PaintedSkin(skin, tuple(surfaces), *depths, sampling or Sampling())
-    return _integrator_class(mi.variant())(tracer)
+    return _integrator_class(mi.variant())(tracer, glazed)
 
 
 @cache
@@ -66,14 +70,15 @@ def _integrator_class(variant: str) -> type:
     """Make the class for a variant of Mitsuba, whose base class has one of its own."""
 
     class SubsurfacePath(mi.SamplingIntegrator):  # type: ignore[misc]  # untyped
-        def __init__(self, tracer: PaintedSkin) -> None:
+        def __init__(self, tracer: PaintedSkin, glazed: bool) -> None:
             super().__init__(mi.Properties())
             self.tracer = tracer
+            self.glazed = glazed
 
         def sample(
             self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
         ) -> tuple[Any, Any, list[Any]]:
-            light, valid = jitted(_trace)(self.tracer, scene, sampler, ray, active)
+            light, valid = jitted(_trace)(self.tracer, scene, sampler, ray, active, self.glazed)
             return light, valid, []
 
     SubsurfacePath.__qualname__ = f"SubsurfacePath[{variant}]"
@@ -87,11 +92,23 @@ def _mis(density: Any, other: Any) -> Any:
     return dr.select(dr.isfinite(weight), weight, 0)
 
 
-def _trace(tracer: PaintedSkin, scene: Any, sampler: Any, ray: Any, active: Any) -> tuple[Any, Any]:
+def _sample_light(
+    scene: Any, start: Any, uniform: Any, active: Any, glazed: bool
+) -> tuple[Any, Any]:
+    if glazed:
+        return sample_light(scene, start, uniform, active)
+    seen, radiance = scene.sample_emitter_direction(start, uniform, True, active)
+    return seen, radiance
+
+
+def _trace(
+    tracer: PaintedSkin, scene: Any, sampler: Any, ray: Any, active: Any, glazed: bool
+) -> tuple[Any, Any]:
     """Follow paths from the camera; the loop is Mitsuba's ``path``, its skin is ours."""
     context = mi.BSDFContext()
     ray, active = mi.Ray3f(ray), mi.Bool(active)
     si = scene.ray_intersect(ray, mi.RayFlags.All, True, active)
+    si = pass_panes(scene, sampler, ray, si, active) if glazed else si
     valid = si.is_valid()
     light, throughput = si.emitter(scene).eval(si, active), mi.Spectrum(1)
     depth, squared_index = mi.UInt32(1), mi.Float(1)
@@ -102,7 +119,7 @@ def _trace(tracer: PaintedSkin, scene: Any, sampler: Any, ray: Any, active: Any)
         vertex = SkinVertex(tracer, scene, sampler, si, ray, skin)
 
         # What the surface of skin reflects of a light is seen from where the path arrived...
-        seen, radiance = scene.sample_emitter_direction(si, sampler.next_2d(), True, skin)
+        seen, radiance = _sample_light(scene, si, sampler.next_2d(), skin, glazed)
         value, chance = vertex.reflect(seen.d)
         share = dr.select(seen.delta, 1, _mis(seen.pdf, chance))
         light[skin & (seen.pdf != 0)] += throughput * value * radiance * share
@@ -111,11 +128,11 @@ def _trace(tracer: PaintedSkin, scene: Any, sampler: Any, ray: Any, active: Any)
         bsdf = si.bsdf()
         plain = active & ~skin
         lit = (skin & vertex.enters) | (plain & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth))
-        seen, radiance = scene.sample_emitter_direction(
-            vertex.interaction, sampler.next_2d(), True, lit
-        )
+        seen, radiance = _sample_light(scene, vertex.interaction, sampler.next_2d(), lit, glazed)
+        lobe = sampler.next_1d()  # what has not passed a pane, it mirrors
+        lobe = dr.select(is_pane(si, plain), 0, lobe) if glazed else lobe
         value, chance, sample, weight = bsdf.eval_pdf_sample(
-            context, si, si.to_local(seen.d), sampler.next_1d(), sampler.next_2d(), plain
+            context, si, si.to_local(seen.d), lobe, sampler.next_2d(), plain
         )
         own_value, own_chance = vertex.enter(seen.d)
         value = dr.select(skin, own_value, value)
@@ -140,6 +157,7 @@ def _trace(tracer: PaintedSkin, scene: Any, sampler: Any, ray: Any, active: Any)
         before = dr.select(mirrors, mi.Interaction3f(si), vertex.interaction)
         ray = before.spawn_ray(direction)
         si = scene.ray_intersect(ray, mi.RayFlags.All, False, active)
+        si = pass_panes(scene, sampler, ray, si, active) if glazed else si
         depth += 1
         seen = mi.DirectionSample3f(scene, si, before)
         chance = scene.pdf_emitter_direction(before, seen, active & ~delta)

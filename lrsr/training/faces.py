@@ -99,7 +99,12 @@ class Faces(Rendered):
 
     def validation_recipes(self) -> dict[str, list[Recipe]]:
         """Return the views of the validation people: "gallery", then "ipd64", "ipd14", ..."""
-        probed = replace(self.enrolled, lighting=self.probe_lighting)
+        probed = replace(
+            self.enrolled,
+            lighting=self.probe_lighting,
+            expression=self.expression,
+            another_day=self.another_day,
+        )
         probes = {f"ipd{ipd:g}": self._frontal(ipd, probed) for ipd in self.validation_ipd_px}
         return {"gallery": self._frontal(64.0, self.enrolled), **probes}
 
@@ -113,7 +118,9 @@ class Faces(Rendered):
             expression = self.variety.expression(of_expression)
             scene = replace(self.enrolled, lighting=lighting)
             if view > 0:
-                scene = replace(scene, pose=pose, expression=expression)
+                expression = expression if expression.units else self.expression
+                day = self.another_day.later(view - 1)
+                scene = replace(scene, pose=pose, expression=expression, another_day=day)
             film = Film(round(rng.uniform(low, high), 2))
             quality = self._sampled(self.sharp_samples) if sharp else self.quality
             seed = derived_seed(self.seed, "faces", person.index, view)

@@ -54,6 +54,8 @@ def read_lessons(config: "DictConfig", cache: RenderCache) -> Rendered:
         validation_people=[people.cast.person("validation", index) for index in others],
         lens=lens,
         standpoint=value_of("standpoint", config.standpoint),
+        expression=value_of("expression", config.expression),
+        another_day=value_of("another_day", config.another_day),
         quality=read_quality(config),
         camera=camera,
         cache=cache,

@@ -64,9 +64,9 @@ class Pairs(Rendered):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        shared = (self.lens, self.standpoint, self.expression, self.another_day)
         scenes = [
-            Scene(lighting, pose, self.lens, self.standpoint)
-            for pose, lighting in product(self.poses, self.lightings)
+            Scene(lighting, pose, *shared) for pose, lighting in product(self.poses, self.lightings)
         ]
         self.ipd_px = [as_number(ipd, "data.ipd_px") for ipd in self.ipd_px]
         self.conditions = list(product(scenes, self.ipd_px))

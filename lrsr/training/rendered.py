@@ -11,6 +11,8 @@ from lightning.pytorch import LightningDataModule
 from lrsr.camera import Camera
 from lrsr.configuration import settle
 from lrsr.errors import InputError
+from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
+from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.identities.person import Person
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker, MitsubaMaker
@@ -31,6 +33,8 @@ class Rendered(LightningDataModule):
         validation_people: Who chooses the best epoch.
         lens: Of every picture.
         standpoint: Of every picture.
+        expression: Of every picture that has no other, but enrolled ones.
+        another_day: Of every picture but enrolled ones.
         quality: Of the renderings.
         camera: Takes the pictures; its own compression is not used.
         cache: Of renderings.
@@ -47,6 +51,8 @@ class Rendered(LightningDataModule):
     validation_people: Sequence[Person]
     lens: Lens
     standpoint: Standpoint
+    expression: Expression = NEUTRAL
+    another_day: AnotherDay = SAME_DAY
     quality: Quality
     camera: Camera
     cache: RenderCache

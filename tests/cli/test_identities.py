@@ -124,3 +124,22 @@ def test_ctrl_c_is_status_130_and_the_same_words_go_on(
     maker.patience = None
     assert main(words) == 0
     assert maker.rendered == ["test-00000", "test-00001"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["pose=left"], "lrsr: pose: only export=DIR reads it; leave it"),
+        (["another_day.cap=1"], "lrsr: another_day.cap: only export=DIR reads it; leave it"),
+        (["export=x", "encoder=dlib"], "lrsr: encoder: export=DIR does not read it; leave it"),
+        (["export=x", "lens=single"], "lrsr: lens=single: depth and normals are those of"),
+        (["export=x", "another_day.cap=2"], "lrsr: another_day.cap=2: wanted 0 to 1"),
+        (["export=x", "another_day=hat"], "lrsr: another_day=hat: no such option"),
+    ],
+)
+def test_what_would_not_be_read_or_cannot_be_exported_is_refused_in_one_line(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["identities", "identities.count=2", *words]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert lines[-1].startswith(message)

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from fakes.scenes import EXPRESSIONS, LENSES, LIGHTINGS, POSES, ROOMS, STANDPOINTS
+from fakes.scenes import DAYS, EXPRESSIONS, LENSES, LIGHTINGS, POSES, ROOMS, STANDPOINTS
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
@@ -67,6 +67,7 @@ def test_the_six_options_are_table_2_of_the_paper() -> None:
         *(("lens", name) for name in LENSES),
         *(("standpoint", name) for name in STANDPOINTS),
         *(("expression", name) for name in EXPRESSIONS),
+        *(("another_day", name) for name in DAYS),
     ],
 )
 def test_what_is_chosen_on_the_command_line_is_the_preset(group: str, name: str) -> None:
@@ -79,6 +80,15 @@ def test_lenses_and_standpoints_are_for_every_command(name: str) -> None:
     config = OmegaConf.create(composed("eval", f"lens={name}", "standpoint=scface_far"))
     assert value_of("lens", config.lens) == LENSES[name]
     assert value_of("standpoint", config.standpoint) == STANDPOINTS["scface_far"]
+
+
+@pytest.mark.parametrize("command", ["eval", "train"])
+def test_expression_and_another_day_are_for_probes_and_training_too(command: str) -> None:
+    given = ["expression=smile", "another_day=everything", "another_day.years=[1,2]"]
+    config = OmegaConf.create(composed(command, *given))
+    assert value_of("expression", config.expression) == EXPRESSIONS["smile"]
+    day = value_of("another_day", config.another_day)
+    assert day == replace(DAYS["everything"], years=(1, 2))
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in (FOLDER / "camera").glob("*.yaml")))

@@ -11,7 +11,7 @@ from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.paths import config_folder
 from lrsr.pictures.folder import Entry, write_manifest
-from lrsr.presets import preset
+from lrsr.presets import preset, presets
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.scene import Scene
 
@@ -43,6 +43,34 @@ def test_probes_have_the_lens_and_the_standpoint_that_were_asked_for() -> None:
     assert condition.scene.lens == preset("lens", "single")
     assert condition.scene.standpoint == preset("standpoint", "scface_far")
     assert settings.gallery.scene.lens == preset("lens", "pinhole")
+
+
+def test_probes_have_the_expression_and_the_day_that_were_asked_for_and_the_gallery_has_not() -> (
+    None
+):
+    words = ["expression=smile", "another_day=glasses", "options=[1,2]"]
+    settings = Design.from_config(composed(*words, "+conditions.2.another_day=cap"))
+    first, second = (condition.scene for condition in settings.conditions)
+    assert first is not None
+    assert second is not None
+    assert first.expression == second.expression == preset("expression", "smile")
+    assert first.another_day == preset("another_day", "glasses")
+    assert second.another_day == preset("another_day", "cap")
+    assert settings.gallery.scene == Scene(preset("lighting", "frontal"))
+    assert settings.conditions[0].title.endswith("compression none, smile, glasses")
+
+
+def test_a_gallery_can_have_a_day_of_its_own() -> None:
+    settings = Design.from_config(composed("gallery.another_day=cap", "gallery.expression=smile"))
+    assert settings.gallery.scene.another_day == preset("another_day", "cap")
+    assert settings.gallery.scene.expression == preset("expression", "smile")
+    assert settings.conditions[0].scene == Scene(preset("lighting", "frontal"))
+
+
+def test_the_experiment_of_another_day_has_every_kind_once() -> None:
+    settings = Design.from_config(composed("experiment=another_day", "ipd_px=14"))
+    days = [one.scene.another_day.name for one in settings.conditions if one.scene]
+    assert sorted(days) == sorted(presets("another_day"))
 
 
 def test_conditions_are_sizes_times_options() -> None:

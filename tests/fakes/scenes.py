@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from lrsr.identities.day.another_day import AnotherDay
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.head import Head
 from lrsr.identities.person import Person
@@ -33,6 +34,11 @@ STANDPOINTS: dict[str, Standpoint] = _presets(
 EXPRESSIONS: dict[str, Expression] = _presets(
     "expression", "neutral", "smile", "grin", "mouth_open", "blink", "squint", "frown", "surprise"
 )
+DAYS: dict[str, AnotherDay] = _presets(
+    "another_day",
+    *("none", "hair", "greyer", "stubble", "make_up", "tan", "weight", "years"),
+    *("glasses", "cap", "face_mask", "everything"),
+)
 SKINS: dict[str, Skin] = {
     "reflective": preset("rendering/skin", "reflective"),
     "subsurface": preset("rendering/skin", "jensen_skin1"),
@@ -48,6 +54,7 @@ def scene(
     lens: str | Lens = "pinhole",
     standpoint: str | Standpoint = "level",
     expression: str | Expression = "neutral",
+    another_day: str | AnotherDay = "none",
 ) -> Scene:
     """Put before the camera what is named or given."""
     return Scene(
@@ -56,6 +63,7 @@ def scene(
         lens=LENSES[lens] if isinstance(lens, str) else lens,
         standpoint=STANDPOINTS[standpoint] if isinstance(standpoint, str) else standpoint,
         expression=EXPRESSIONS[expression] if isinstance(expression, str) else expression,
+        another_day=DAYS[another_day] if isinstance(another_day, str) else another_day,
     )
 
 

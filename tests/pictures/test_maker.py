@@ -11,6 +11,7 @@ import pytest
 import torch
 from fakes.scenes import EXPRESSIONS, SKINS, recipe, scene
 
+from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
 from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.identities.head import Head
 from lrsr.identities.person import Traits
@@ -43,10 +44,15 @@ def _parts(monkeypatch: pytest.MonkeyPatch) -> None:
     Renderer.made, Renderer.asked = [], []
 
     def sample_head(
-        seed: int, *, texture_size: int, population: Population, expression: Expression
+        seed: int,
+        *,
+        texture_size: int,
+        population: Population,
+        expression: Expression,
+        another_day: AnotherDay,
     ) -> Head:
         numbers = {"seed": seed, "texture_size": texture_size, "population": population}
-        numbers["expression"] = expression
+        numbers |= {"expression": expression, "another_day": another_day}
         return Head("seed-x", (), np.zeros((2, 3)), np.zeros((5, 3)), numbers)
 
     parts: dict[str, dict[str, Any]] = {
@@ -86,6 +92,7 @@ def test_a_head_has_the_seed_of_its_split_and_the_name_of_the_recipe() -> None:
         "texture_size": 64,
         "population": EVERYBODY,
         "expression": NEUTRAL,
+        "another_day": SAME_DAY,
     }
 
 

@@ -8,9 +8,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fakes.scenes import EXPRESSIONS, LENSES, LIGHTINGS, POSES, ROOMS, SKINS, STANDPOINTS, recipe
+from fakes.scenes import (
+    DAYS,
+    EXPRESSIONS,
+    LENSES,
+    LIGHTINGS,
+    POSES,
+    ROOMS,
+    SKINS,
+    STANDPOINTS,
+    recipe,
+)
 
 from lrsr.errors import InputError
+from lrsr.identities.day.another_day import AnotherDay
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.person import Person
 from lrsr.identities.population import Population
@@ -37,6 +48,7 @@ OTHERS: dict[str, Any] = {
     "lens": "thin",
     "standpoint": "scface_far",
     "expression": "smile",
+    "another_day": "glasses",
     "ipd_px": 9.0,
     "scale": 2,
     "bands": 35,
@@ -111,6 +123,19 @@ def test_a_named_expression_is_its_face_units() -> None:
     assert key(changed(expression=Expression("none"))) == key(RECIPE)
 
 
+def test_a_named_day_is_its_numbers_and_a_later_one_is_another_picture() -> None:
+    worn, mine = changed(another_day="glasses"), replace(DAYS["glasses"], name="mine")
+    assert key(changed(another_day=mine)) == key(worn)
+    assert key(changed(another_day=mine.later(1))) != key(worn)
+    assert changed(another_day=mine.later(1)).seeded(7, "probe") != worn.seeded(7, "probe")
+
+
+def test_a_day_on_which_nothing_changes_is_the_day_of_enrolment() -> None:
+    same = changed(another_day=AnotherDay("mine", day=5))
+    assert key(same) == key(RECIPE)
+    assert same.seeded(7, "probe").seed == RECIPE.seeded(7, "probe").seed
+
+
 def test_a_named_skin_is_its_numbers() -> None:
     mine = replace(SKINS["subsurface"], name="mine")
     assert key(changed(skin=mine)) == key(changed(skin="subsurface"))
@@ -143,8 +168,9 @@ def test_a_lens_of_whole_numbers_is_that_of_numbers_with_a_point() -> None:
 def test_keys_are_those_of_other_days_and_machines() -> None:
     """Whoever changes what a recipe says makes everybody's caches useless: then say so here."""
     assert key(RECIPE) == "afbf363782007f4c92fb5b28e1c68e0e92ad5f942b192ea31fefa04376b0cc8d"
+    others = {**OTHERS, "another_day": "none"}
     assert (
-        key(changed(**OTHERS)) == "b2a7cfba4293010620957b9bd1f2745fa063b547e1296d9a45f2db8bacffe5e4"
+        key(changed(**others)) == "b2a7cfba4293010620957b9bd1f2745fa063b547e1296d9a45f2db8bacffe5e4"
     )
 
 

@@ -88,7 +88,7 @@ def test_a_sitting_is_recorded_in_plain_values() -> None:
 
 def test_what_is_named_on_the_command_line_is_what_is_pictured() -> None:
     names = {"pose": "left", "lighting": "room_blue", "lens": "single"}
-    names |= {"standpoint": "scface_far", "expression": "smile"}
+    names |= {"standpoint": "scface_far", "expression": "smile", "another_day": "cap"}
     given = config(*(f"{group}={name}" for group, name in names.items()))
     assert _read_scene(given) == scene(**names)
     assert _read_scene(config()) == scene()
@@ -156,7 +156,14 @@ def test_people_are_who_the_group_says(tmp_path: Path) -> None:
 
 
 def test_the_enrolled_picture_is_that_of_the_gallery_whatever_else_is_asked() -> None:
-    asked = ["pose=up", "lighting=side", "expression=smile", "lens=single", "ipd_px=9"]
+    asked = [
+        "pose=up",
+        "lighting=side",
+        "expression=smile",
+        "another_day=cap",
+        "lens=single",
+        "ipd_px=9",
+    ]
     enrolled = read_gallery(config(*asked, "standpoint=scface_far", "seed=3"))
     assert enrolled.scene == scene()
     assert enrolled.film == Film(64.0)

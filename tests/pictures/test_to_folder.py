@@ -23,6 +23,7 @@ from lrsr.errors import InputError
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import RECIPE_VERSION
+from lrsr.identities.person import Traits
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.images import linear_to_srgb
@@ -123,6 +124,23 @@ def test_a_row_says_what_stood_before_the_camera(settings: RenderSettings) -> No
     assert (row.ipd_px, row.scale, row.run_seed) == (9.5, 1, 7)
     who = traits(recipe(1).person)
     assert (row.sex, row.age_years, row.skin_tone) == (who.sex, f"{who.age_years:g}", who.skin_tone)
+
+
+def test_a_row_says_what_another_day_has_changed(settings: RenderSettings) -> None:
+    class Dresser(FakeMaker):
+        def render(self, head: Head, recipe: Recipe) -> Radiance:
+            came = {"hair": "cut", "years": 4.2}
+            traits = Traits("female", 40.0, {"asian": 1.0}, 30.0, "intermediate", changes=came)
+            return replace(super().render(head, recipe), traits=traits)
+
+    day = replace(settings.sitting, scene=scene(another_day="everything"))
+    cache = RenderCache(settings.out / "cache")
+    render_to_folder(replace(settings, sitting=day), cache, progress=False, maker=Dresser())
+    (*_, row) = read_manifest(settings.out)
+    assert (row.another_day, row.changes) == ("everything", "hair=cut years=4.2")
+    assert "_everything_" in row.file
+    told = json.loads(row.settings)["recipe"]["another_day"]
+    assert told["glasses"] == 0.35
 
 
 def test_what_is_unusual_is_named_in_the_file(settings: RenderSettings, maker: FakeMaker) -> None:

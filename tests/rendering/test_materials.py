@@ -25,6 +25,12 @@ def test_both_sides_of_a_sheet_are_lit() -> None:
     assert keys == {"albedo": "brdf_0.base_color.data"}
 
 
+def test_what_has_no_colour_is_a_thin_pane_of_plastics_index() -> None:
+    description, keys = bsdf(MATERIALS["glass"], {})
+    assert description == {"type": "thindielectric", "int_ior": pytest.approx(1.5)}
+    assert not keys
+
+
 def test_a_map_of_roughness_replaces_the_number_and_heights_wrap_the_material() -> None:
     maps = {name: {"type": "bitmap", "id": name} for name in ("albedo", "height", "roughness")}
     description, keys = bsdf({"roughness": 0.5, "specular": 0.4}, maps)

@@ -29,7 +29,7 @@ def test_equal_values_are_equal_whatever_their_numbers_are_made_of() -> None:
 
 
 def test_a_scene_is_recorded_in_plain_values_with_its_names() -> None:
-    asked = scene("left", "room_blue", "double_gauss", "scface_near", "smile")
+    asked = scene("left", "room_blue", "double_gauss", "scface_near", "smile", "cap")
     plain = json.loads(json.dumps(asked.describe()))
     names = {group: value["name"] for group, value in plain.items()}
     assert names == {
@@ -38,11 +38,13 @@ def test_a_scene_is_recorded_in_plain_values_with_its_names() -> None:
         "lens": "double_gauss",
         "standpoint": "scface_near",
         "expression": "smile",
+        "another_day": "cap",
     }
     assert plain["pose"]["yaw_deg"] == 30.0
     assert plain["lighting"]["panels"][0]["kelvin"] == 9000.0
     assert len(plain["lens"]["surfaces"]) == 11
     assert plain["expression"]["units"]["mouthSmileLeft"] == 0.6
+    assert plain["another_day"]["cap"] == 1.0
 
 
 @pytest.mark.parametrize(

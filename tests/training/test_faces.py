@@ -139,6 +139,22 @@ def test_each_person_is_drawn_as_often_half_of_it_sharp() -> None:
         assert int(sharp[drawn].sum()) == 2
 
 
+def test_another_day_and_an_expression_come_after_the_first_view(
+    cache: RenderCache, painter: PaintedMaker
+) -> None:
+    day, smile = preset("another_day", "everything"), preset("expression", "smile")
+    data = lessons(cache, painter, another_day=day, expression=smile)
+    plain = lessons(cache, painter)
+    views = data.training_recipes()[:3]
+    assert views[0] == plain.training_recipes()[0]  # as enrolled
+    assert [view.scene.another_day for view in views[1:]] == [day, day.later(1)]
+    assert {view.scene.expression.name for view in views[1:]} == {"smile"}
+    told, usual = data.validation_recipes(), plain.validation_recipes()
+    assert told["gallery"] == usual["gallery"]
+    assert {probe.scene.another_day for probe in told["ipd8"]} == {day}
+    assert {probe.scene.expression.name for probe in told["ipd8"]} == {"smile"}
+
+
 def test_expressions_change_nothing_but_the_faces(
     cache: RenderCache, painter: PaintedMaker
 ) -> None:

@@ -67,6 +67,8 @@ def test_srcnn_is_trained_as_in_the_paper(name: str, epochs: int, scale: int) ->
         "rendering/skin=jensen_skin1",
         "lens=single",
         "standpoint=scface_far",
+        "expression=smile",
+        "another_day=everything",
         "camera.supersampling=2",
         "seed=1",
     ],

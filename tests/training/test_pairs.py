@@ -66,6 +66,16 @@ def everything(data: Pairs) -> tuple[torch.Tensor, ...]:
     return patches.tensors
 
 
+def test_another_day_and_an_expression_are_those_of_both_films(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    day, smile = preset("another_day", "hair"), preset("expression", "smile")
+    data = module(cache, maker, another_day=day, expression=smile)
+    scenes = [recipe.scene for film in (1, 2) for recipe in data.recipes(data.people, film)]
+    assert {scene.another_day for scene in scenes} == {day}
+    assert {scene.expression.name for scene in scenes} == {"smile"}
+
+
 def test_patches_are_those_of_the_two_films_through_the_camera(
     cache: RenderCache, maker: FakeMaker
 ) -> None:

@@ -1,0 +1,1 @@
+"""What changes about a person between one day and another?"""
