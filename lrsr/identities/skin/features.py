@@ -19,7 +19,7 @@ from lrsr.identities.skin.beard import Beard
 from lrsr.identities.skin.brows import Brows
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.hair_colour import HairColour, hair_rgb
-from lrsr.identities.skin.layout import Box, Layout
+from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.make_up import MakeUp
 
 _WARM = np.array([1.6, 1.0, 0.6], dtype=np.float32)  # skin shines through the hairs
@@ -30,6 +30,9 @@ _CHEEKBONE_MM = (44.0, -30.0, -14.0)
 _LASH_ROOTS = (0.030, 0.018, 0.012)
 _BROW_GREY = 0.45  # brows turn grey later than the hair of the head
 _WHITE_BEARD = 0.35  # share of white hairs from which a beard no longer darkens the skin
+
+_SEEN = np.float32(1e-3)
+"""What covers less of the skin than this is not painted."""
 
 
 class FeaturePainter:
@@ -156,10 +159,12 @@ class FeaturePainter:
 
 
 def _cover(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
-    """Paint a colour over the albedo in place, within the box that the opacity touches."""
-    box = _touched(opacity)
-    part = albedo[box]
-    part += (np.asarray(colour, dtype=np.float32) - part) * opacity[box][..., None]
+    """Paint a colour over the albedo in place."""
+    where = np.flatnonzero(opacity > _SEEN)
+    texels = albedo.reshape(-1, 3)
+    bare = texels[where]
+    bare += (np.asarray(colour, np.float32) - bare) * opacity.ravel()[where, None]
+    texels[where] = bare
 
 
 def _shade(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
@@ -168,15 +173,8 @@ def _shade(albedo: FloatMap, colour: ArrayLike, opacity: FloatMap) -> None:
     Light reaches that skin past hairs and leaves past hairs, so what is half covered is not the
     mean of both colours, which looks like ash, but darker and warmer: their geometric mean.
     """
-    box = _touched(opacity)
-    bare = np.maximum(albedo[box], np.float32(1e-4))
+    where = np.flatnonzero(opacity > _SEEN)
+    texels = albedo.reshape(-1, 3)
+    bare = np.maximum(texels[where], np.float32(1e-4))
     ratio = np.log(np.asarray(colour, dtype=np.float32) / bare)
-    albedo[box] = bare * np.exp(ratio * opacity[box][..., None])
-
-
-def _touched(opacity: FloatMap) -> Box:
-    """Return the box in which an opacity is not zero; an empty one if it is everywhere."""
-    rows, columns = (np.flatnonzero(opacity.any(axis=axis)) for axis in (1, 0))
-    if not rows.size:
-        return slice(0, 0), slice(0, 0)
-    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    texels[where] = bare * np.exp(ratio * opacity.ravel()[where, None])
