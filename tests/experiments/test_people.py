@@ -21,7 +21,7 @@ from lrsr.experiments.report.sheets import _GAP_PX, _LINE_PX
 from lrsr.experiments.uniqueness import Findings
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.morphable import RECIPE_VERSION
-from lrsr.identities.roster import IdentityRange, read_roster
+from lrsr.identities.roster import IdentityRange, _read_roster
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.sitting import Sitting
 from lrsr.presets import preset
@@ -148,7 +148,7 @@ def test_the_distribution_is_that_of_the_people_left(folder: Path, results: dict
 
 
 def test_the_roster_is_read_back(folder: Path) -> None:
-    roster = read_roster(folder / "roster.json")
+    roster = _read_roster(folder / "roster.json")
     assert (roster.split, roster.start, roster.count) == ("test", 0, 7)
     assert (roster.recipe, roster.encoder, roster.angle_deg) == (RECIPE_VERSION, "shipped", 20.0)
     assert roster.draws[4] == 1
@@ -162,7 +162,7 @@ def test_whoever_uses_the_roster_meets_the_same_people(
     again = run(tmp_path, tone_model, gallery=enrolled(people), cache=folder.parent / "cache")
     told = json.loads((again / "results.json").read_text())
     assert told["rejected"] == []
-    assert read_roster(again / "roster.json").draws == {4: 1}
+    assert _read_roster(again / "roster.json").draws == {4: 1}
     for name in ("test-00003", "test-00004-draw1"):
         (picture,) = (again / "gallery").glob(f"{name}_*.png")
         assert picture.read_bytes() == (folder / "gallery" / picture.name).read_bytes()

@@ -11,18 +11,18 @@ import pytest
 from fakes.scenes import EXPRESSIONS
 
 from lrsr.identities import morphable
-from lrsr.identities.gate.gate import MOST_DRAWS, tally
+from lrsr.identities.gate.gate import _MOST_DRAWS, tally
 from lrsr.identities.gate.openings import measure_eyes
 from lrsr.identities.gate.plausibility import Plausibility, Verdict, check_face, check_hair
 from lrsr.identities.hair.hair import build_hair
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import (
+    _STREAMS,
     RECIPE_VERSION,
-    STREAMS,
-    position_map,
+    _position_map,
+    _stream,
     sample_head,
     sample_parameters,
-    stream,
     template,
 )
 from lrsr.identities.population import ANCESTRIES, EVERYBODY
@@ -183,18 +183,18 @@ def test_the_gate_finds_everybody_a_face_and_hair(
         assert tally(person["gate"] for person in people)["unresolved"] == 0
     redraws = [person["gate"]["redraws"] for person in crowds["any"]]
     assert np.median(redraws) <= 2
-    assert max(redraws) < MOST_DRAWS
+    assert max(redraws) < _MOST_DRAWS
 
 
 def test_streams_are_independent_and_repeatable() -> None:
-    assert stream(4, "hair").random() == stream(4, "hair").random()
-    assert len({stream(s, n).random() for s in (4, 5) for n in ("hair", "eyes")}) == 4
+    assert _stream(4, "hair").random() == _stream(4, "hair").random()
+    assert len({_stream(s, n).random() for s in (4, 5) for n in ("hair", "eyes")}) == 4
 
 
 def test_a_stream_drawn_again_is_another_and_the_first_is_what_it_always_was() -> None:
-    draws = [stream(4, "hair", attempt).random() for attempt in range(5)]
-    assert len({*draws, stream(5, "hair").random(), stream(4, "eyes").random()}) == 7
-    assert draws[0] == np.random.default_rng([4, STREAMS.index("hair")]).random()
+    draws = [_stream(4, "hair", attempt).random() for attempt in range(5)]
+    assert len({*draws, _stream(5, "hair").random(), _stream(4, "eyes").random()}) == 7
+    assert draws[0] == np.random.default_rng([4, _STREAMS.index("hair")]).random()
 
 
 def refuse_first(monkeypatch: pytest.MonkeyPatch, check: str, count: int) -> None:
@@ -280,7 +280,7 @@ def test_lids_that_wrinkle_do_not_dip_into_the_eyes(heads: dict[int, Head]) -> N
 
 
 def test_the_position_map_leads_from_texels_to_the_template() -> None:
-    surface, chart = load_basis().surface, position_map(256)
+    surface, chart = load_basis().surface, _position_map(256)
     texel = np.clip((surface.uv * 256).astype(int), 0, 255)
     away = np.linalg.norm(chart.points[texel[:, 1], texel[:, 0]] - template().skin, axis=1)
     assert np.median(away) < 1.0
@@ -289,7 +289,7 @@ def test_the_position_map_leads_from_texels_to_the_template() -> None:
 
 
 def test_the_pupils_have_a_hundred_texels_between_them() -> None:
-    chart = position_map(512)
+    chart = _position_map(512)
     face = chart.mask & (np.abs(chart.points[..., 1] - 12) < 1) & (chart.points[..., 2] > -30)
     columns = np.arange(512)[None].repeat(512, 0)
     left = columns[face & (np.abs(chart.points[..., 0] + 32) < 1)].mean()
@@ -299,7 +299,7 @@ def test_the_pupils_have_a_hundred_texels_between_them() -> None:
 
 def test_a_position_map_of_next_to_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match="texture_size"):
-        position_map(63)
+        _position_map(63)
 
 
 @pytest.mark.parametrize("call", [sample_head, sample_parameters], ids=lambda f: f.__name__)
@@ -315,9 +315,9 @@ def test_a_tiny_texture_is_refused() -> None:
 
 def test_an_unknown_stream_is_refused() -> None:
     with pytest.raises(ValueError, match="tuple"):
-        stream(0, "voice")
+        _stream(0, "voice")
 
 
 def test_a_negative_seed_has_no_stream() -> None:
     with pytest.raises(ValueError, match="seed"):
-        stream(-1, "hair")
+        _stream(-1, "hair")

@@ -36,7 +36,7 @@ from lrsr.identities.shape.basis import load_basis
 Points = NDArray[np.float64]
 Sex = Literal["female", "male"]
 
-LIMIT_SD = 3.25
+_LIMIT_SD = 3.25
 """One adult in 870 is farther from the mean in a single proportion, one in fifty in any of them."""
 SIGMA_Z_LIMIT = 1.5
 """Faces of all ethnic groups judged by wide norms: half way from the healthy to the malformed."""
@@ -66,7 +66,7 @@ _SIDES = {
 }
 """Points on the template, mm: in the middle, and on the subject's left with their mirror images."""
 
-LENGTHS: dict[str, tuple[str, str]] = {
+_LENGTHS: dict[str, tuple[str, str]] = {
     "face height": ("nasion", "gnathion"),
     "lower face height": ("subnasale", "gnathion"),
     "chin height": ("stomion", "gnathion"),
@@ -87,7 +87,7 @@ LENGTHS: dict[str, tuple[str, str]] = {
     "left ear length": ("left superaurale", "left subaurale"),
     "right ear length": ("right superaurale", "right subaurale"),
 }
-_UPRIGHT = list(LENGTHS).index("skull height")
+_UPRIGHT = list(_LENGTHS).index("skull height")
 """The length that is taken along the vertical alone."""
 
 
@@ -174,14 +174,14 @@ def measure_lengths(skin: Points, ipd_mm: float) -> dict[str, float]:
         ipd_mm: Distance of its pupils.
 
     Returns:
-        :data:`LENGTHS` and the "interpupillary distance", mm.
+        :data:`_LENGTHS` and the "interpupillary distance", mm.
     """
     vertex = _landmark_vertices()
-    ends = np.array([[vertex[a], vertex[b]] for a, b in LENGTHS.values()])
+    ends = np.array([[vertex[a], vertex[b]] for a, b in _LENGTHS.values()])
     between = skin[ends[:, 0]] - skin[ends[:, 1]]
     between[_UPRIGHT] *= (0.0, 1.0, 0.0)
     lengths = np.linalg.norm(between, axis=1)
-    return dict(zip(LENGTHS, lengths.tolist(), strict=True)) | {_PUPILS: ipd_mm}
+    return dict(zip(_LENGTHS, lengths.tolist(), strict=True)) | {_PUPILS: ipd_mm}
 
 
 def measure_crookedness(skin: Points) -> dict[str, float]:
@@ -224,7 +224,7 @@ def proportions(lengths: dict[str, float]) -> dict[str, float]:
         lengths: As :func:`measure_lengths` measures them, or published ones, mm.
 
     Example:
-        >>> lengths = dict.fromkeys(LENGTHS, 50.0) | {"interpupillary distance": 63.0}
+        >>> lengths = dict.fromkeys(_LENGTHS, 50.0) | {"interpupillary distance": 63.0}
         >>> proportions(lengths)["nasal index"]
         100.0
     """
@@ -246,7 +246,7 @@ def z_scores(measured: dict[str, float], sex: Sex) -> dict[str, float]:
 
 def limits(proportion: _Proportion, sex: Sex) -> tuple[float, float]:
     """Return the lowest and the highest value of a human being, as :func:`proportions` measures."""
-    middle, reach = proportion.mean(sex), LIMIT_SD * proportion.sd
+    middle, reach = proportion.mean(sex), _LIMIT_SD * proportion.sd
     return middle - reach, middle + reach
 
 

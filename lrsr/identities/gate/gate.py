@@ -13,7 +13,7 @@ from lrsr.identities.gate.plausibility import Plausibility
 
 T = TypeVar("T")
 
-MOST_DRAWS = 48
+_MOST_DRAWS = 48
 """Of people of whom nine draws in ten fail, six in a thousand have no draw that passes; fewer, as
 later draws of a face are milder (:mod:`lrsr.identities.gate.mildness`)."""
 
@@ -35,7 +35,7 @@ class Accepted(NamedTuple, Generic[T]):
 
 
 def draw_plausible(
-    draw: Callable[[int], T], judge: Callable[[T], Plausibility], *, most: int = MOST_DRAWS
+    draw: Callable[[int], T], judge: Callable[[T], Plausibility], *, most: int = _MOST_DRAWS
 ) -> Accepted[T]:
     """Draw until something passes.
 

@@ -42,7 +42,7 @@ class _EyeOpening(NamedTuple):
     gap_mm: float
 
 
-def covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
+def _covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
     """Tell which points are hidden from somebody far in front, at +z.
 
     Args:
@@ -54,7 +54,7 @@ def covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
 
     Example:
         >>> sheet = np.array([[[-1.0, -1.0, 1.0], [3.0, -1.0, 1.0], [-1.0, 3.0, 1.0]]])
-        >>> covered(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [9.0, 0.0, 0.0]]), sheet).tolist()
+        >>> _covered(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [9.0, 0.0, 0.0]]), sheet).tolist()
         [True, False, False]
     """
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
@@ -88,7 +88,7 @@ def measure_eyes(skin: Points, eyes: Eyes, iris_rad: float) -> tuple[_EyeOpening
         over = (offset[:, 2] > 0.0) & (lids.distances[which] >= 1.0)
         rim = _lid_rim(which)
         upper, lower = margins[which]
-        hidden = covered(_iris_line(eyes, which, iris_rad), skin[_lid_faces(which)])
+        hidden = _covered(_iris_line(eyes, which, iris_rad), skin[_lid_faces(which)])
         both.append(
             _EyeOpening(
                 iris_share=float(1.0 - hidden.mean()),
@@ -187,5 +187,5 @@ def _seen_area_mm2(corners: Points, before: Points) -> float:
     facing = np.flatnonzero(across[:, 2] > 0.0)
     if not facing.size:
         return 0.0
-    hidden = covered(corners[facing].mean(axis=1), before)
+    hidden = _covered(corners[facing].mean(axis=1), before)
     return float(0.5 * across[facing[~hidden], 2].sum())

@@ -31,7 +31,7 @@ from lrsr.identities.gate.openings import measure_eyes, mouth_area_mm2, nostril_
 
 Points = NDArray[np.float64]
 
-LIMITS: dict[str, tuple[float, float]] = {
+_LIMITS: dict[str, tuple[float, float]] = {
     # Lids of a resting eye open 5.5 to 13 mm; an upper lid covers 1 to 2 mm of the iris, the lower
     # meets it, with age both cover more; openings that differ by 2 mm are a ptosis.
     "eye: visible share of the iris": (0.42, 0.97),
@@ -160,10 +160,10 @@ def _measure_eyes(skin: Points, eyes: Eyes, iris_rad: float) -> dict[str, float]
     heights = [eye.height_mm for eye in both]
     return {
         "eye: visible share of the iris": _farther(
-            [eye.iris_share for eye in both], *LIMITS["eye: visible share of the iris"]
+            [eye.iris_share for eye in both], *_LIMITS["eye: visible share of the iris"]
         ),
         "eye: middle of the pupil free": float(min(eye.pupil_free for eye in both)),
-        "eye: opening, mm": _farther(heights, *LIMITS["eye: opening, mm"]),
+        "eye: opening, mm": _farther(heights, *_LIMITS["eye: opening, mm"]),
         "eye: lids crossed, mm": max(eye.crossed_mm for eye in both),
         "eye: pierced by skin, mm": max(eye.pierced_mm for eye in both),
         "eye: gap to the lids, mm": max(eye.gap_mm for eye in both),
@@ -193,4 +193,4 @@ def _check_proportions(skin: Points, eyes: Eyes, sex: Sex) -> tuple[Verdict, ...
 
 
 def _judge(measured: dict[str, float]) -> tuple[Verdict, ...]:
-    return tuple(Verdict(name, value, *LIMITS[name]) for name, value in measured.items())
+    return tuple(Verdict(name, value, *_LIMITS[name]) for name, value in measured.items())

@@ -4,11 +4,11 @@ from numpy.typing import NDArray
 
 from lrsr.identities.face.eyes import Eyes, find_eyes
 from lrsr.identities.face.lids import (
-    MARGIN_POINTS,
+    _MARGIN_POINTS,
     Lids,
+    _lid_heights,
     clear_lids,
     closing_strengths,
-    lid_heights,
     lid_margins,
     rest_lids,
 )
@@ -60,7 +60,7 @@ def test_clearing_the_template_makes_room_for_the_cornea_alone() -> None:
 def test_margins_run_along_the_eyeball_from_the_inner_corner_to_the_outer() -> None:
     average = template()
     margins = lid_margins(average.skin, average.eyes, average.lids)
-    assert margins.shape == (2, 2, MARGIN_POINTS, 3)
+    assert margins.shape == (2, 2, _MARGIN_POINTS, 3)
     offset = margins - average.eyes.centres[:, None, None]
     distance = np.linalg.norm(offset, axis=-1) / average.eyes.radii[:, None, None]
     np.testing.assert_allclose(distance, 1.0, atol=0.02)
@@ -73,10 +73,10 @@ def test_margins_run_along_the_eyeball_from_the_inner_corner_to_the_outer() -> N
 
 def test_lids_of_the_average_adult_stand_where_those_of_adults_do_and_stay() -> None:
     basis, lids = load_basis(), template().lids
-    heights = lid_heights(basis, basis.neutral, lids)
+    heights = _lid_heights(basis, basis.neutral, lids)
     assert heights == pytest.approx([4.0, 4.0], abs=0.6)
     rested = rest_lids(basis, basis.neutral, lids)
-    assert lid_heights(basis, rested, lids) == pytest.approx(heights, abs=0.3)
+    assert _lid_heights(basis, rested, lids) == pytest.approx(heights, abs=0.3)
 
 
 @pytest.mark.parametrize(("unit", "strength"), [("eyeWide", 0.8), ("eyeBlink", 0.35)])
@@ -86,7 +86,7 @@ def test_startled_and_drooping_lids_come_to_rest(unit: str, strength: float) -> 
     for side in ("Left", "Right"):
         weights[basis.column[f"unit/{unit}{side}"]] += strength
     before, after = (
-        lid_heights(basis, w, lids) for w in (weights, rest_lids(basis, weights, lids))
+        _lid_heights(basis, w, lids) for w in (weights, rest_lids(basis, weights, lids))
     )
     assert np.all((before < 2.4) | (before > 5.2))
     assert np.all((after > 2.4) & (after < 5.2))

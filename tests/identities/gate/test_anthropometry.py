@@ -4,8 +4,8 @@ from numpy.typing import NDArray
 
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.anthropometry import (
-    LENGTHS,
-    LIMIT_SD,
+    _LENGTHS,
+    _LIMIT_SD,
     PROPORTIONS,
     Sex,
     limits,
@@ -62,7 +62,7 @@ def skin() -> NDArray[np.float64]:
 
 
 def lengths_of(known: dict[str, float]) -> dict[str, float]:
-    return dict.fromkeys(LENGTHS, 50.0) | known
+    return dict.fromkeys(_LENGTHS, 50.0) | known
 
 
 @pytest.mark.parametrize("sex", ["female", "male"])
@@ -109,7 +109,7 @@ def test_the_mean_has_a_score_of_nought_and_the_limits_have_the_limits() -> None
     middles = {p.name: sum(limits(p, "male")) / 2 for p in PROPORTIONS}
     highest = {p.name: limits(p, "male")[1] for p in PROPORTIONS}
     assert list(z_scores(middles, "male").values()) == pytest.approx([0.0] * len(PROPORTIONS))
-    assert list(z_scores(highest, "male").values()) == pytest.approx([LIMIT_SD] * len(PROPORTIONS))
+    assert list(z_scores(highest, "male").values()) == pytest.approx([_LIMIT_SD] * len(PROPORTIONS))
 
 
 def test_sigma_z_does_not_mind_a_face_that_is_evenly_large() -> None:

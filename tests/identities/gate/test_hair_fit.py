@@ -11,7 +11,7 @@ from lrsr.identities.hair.choice import colour_parameters
 from lrsr.identities.hair.hair import build_hair
 from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import ROWS, lay_shell, strand_stream
-from lrsr.identities.hair.strands import RIBBONS
+from lrsr.identities.hair.strands import _RIBBONS
 from lrsr.identities.hair.styles import STYLES, style_parameters
 
 Points = NDArray[np.float32]
@@ -41,7 +41,7 @@ def grown(style: str) -> Points:
 def ribbons_off_mm(hair: Points) -> float:
     """How far ribbons stay off skin and shell even where they come nearest, the 99th percentile."""
     bed = cKDTree(np.concatenate([skin(), hair[:SHELL]]))
-    some = hair[SHELL:].reshape(RIBBONS, -1, 3)[::24, ::4]
+    some = hair[SHELL:].reshape(_RIBBONS, -1, 3)[::24, ::4]
     away = bed.query(some.reshape(-1, 3))[0].reshape(some.shape[:2])
     return float(np.percentile(away.min(axis=1), 99))
 

@@ -7,7 +7,7 @@ from lrsr.identities.face.lids import clear_lids
 from lrsr.identities.face.resting import rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.openings import (
-    covered,
+    _covered,
     measure_eyes,
     mouth_area_mm2,
     nostril_area_mm2,
@@ -46,18 +46,18 @@ def around_an_eye(which: int, *, above: bool) -> NDArray[np.int64]:
 def test_only_what_lies_behind_a_sheet_is_covered(
     point: tuple[float, float, float], hidden: bool
 ) -> None:
-    assert covered(np.array([point], float), SHEET).tolist() == [hidden]
+    assert _covered(np.array([point], float), SHEET).tolist() == [hidden]
 
 
 def test_which_way_a_sheet_faces_does_not_matter() -> None:
     points = np.random.default_rng(0).uniform(-2, 4, (200, 3))
     turned = SHEET[:, ::-1]
-    np.testing.assert_array_equal(covered(points, SHEET), covered(points, turned))
+    np.testing.assert_array_equal(_covered(points, SHEET), _covered(points, turned))
 
 
 def test_nothing_is_covered_by_nothing_and_by_sheets_seen_edge_on() -> None:
-    assert not covered(np.zeros((3, 3)), np.zeros((0, 3, 3))).any()
-    assert not covered(np.zeros((1, 3)), SHEET[:, :, [2, 1, 0]] * (0.0, 1.0, 1.0)).any()
+    assert not _covered(np.zeros((3, 3)), np.zeros((0, 3, 3))).any()
+    assert not _covered(np.zeros((1, 3)), SHEET[:, :, [2, 1, 0]] * (0.0, 1.0, 1.0)).any()
 
 
 def test_the_templates_eyes_open_as_adults_eyes_do() -> None:

@@ -8,7 +8,7 @@ from lrsr.identities.face.lids import clear_lids
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.anthropometry import Sex
 from lrsr.identities.gate.plausibility import (
-    LIMITS,
+    _LIMITS,
     Plausibility,
     Verdict,
     check_face,
@@ -172,7 +172,7 @@ def test_every_test_is_judged_once() -> None:
     hair = check_hair(head[:20000], head, pupils, stands=True)
     names = [verdict.name for verdict in (*judged(skin()).verdicts, *hair.verdicts)]
     assert len(set(names)) == len(names)
-    assert set(LIMITS) <= set(names)
+    assert set(_LIMITS) <= set(names)
 
 
 @pytest.mark.parametrize(
