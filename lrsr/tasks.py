@@ -57,7 +57,7 @@ def run_identities(config: "DictConfig") -> Path:
     Raises:
         InputError: A setting is wrong, or would not be read.
     """
-    out = path_if_any(config.export)
+    out = path_if_any(config.export, "export")
     if out is None:
         _refuse(_OF_EXPORTS, "only export=DIR reads it; leave it")
         return run_eval(config)

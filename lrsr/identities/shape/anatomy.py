@@ -21,7 +21,7 @@ GENDERS = ("female", "male")
 AGES = ("young", "old")
 LEVELS = ("min", "average", "max")
 
-_ANCESTRY_GAIN = 1.4
+_ANCESTRY_GAIN = 1.25
 """Exaggerates a mix of ancestries about the equal one."""
 _USUAL_ASYMMETRY = 0.21
 _ASYMMETRY = {"nose": 0.37, "ear": 0.1}
@@ -70,8 +70,8 @@ _TRENDS = {
     "mouth/mouth-laugh-lines-in-out": _Trend(age=0.75),
     "neck/neck-double-decr-incr": _Trend(age=0.6),
     "ears/ear-lobe-decr-incr": _Trend(age=0.5),
-    "mouth/mouth-upperlip-height-decr-incr": _Trend(sex=-0.2, age=-0.5),
-    "mouth/mouth-lowerlip-height-decr-incr": _Trend(sex=-0.2, age=-0.5),
+    "mouth/mouth-upperlip-height-decr-incr": _Trend(average=-0.1, sex=-0.1, age=-0.5),
+    "mouth/mouth-lowerlip-height-decr-incr": _Trend(average=-0.1, sex=-0.1, age=-0.5),
     "cheek/cheek-volume-decr-incr": _Trend(women_age=-0.3),
     "chin/chin-width-decr-incr": _Trend(sex=0.45),
     "chin/chin-bones-decr-incr": _Trend(average=-0.15, sex=0.35),
@@ -96,6 +96,10 @@ _TRENDS = {
     "nose/nose-point-down-up": _Trend(average=0.05, sex=-0.12),
     "head/head-scale-horiz-decr-incr": _Trend(average=-0.1, sex=-0.1),
     "head/head-fat-decr-incr": _Trend(average=-0.2, sex=-0.12),
+    "mouth/mouth-trans-backward-forward": _Trend(average=-0.15),
+    "mouth/mouth-scale-depth-decr-incr": _Trend(average=-0.15),
+    "mouth/mouth-upperlip-volume-decr-incr": _Trend(average=-0.2),
+    "mouth/mouth-lowerlip-volume-decr-incr": _Trend(average=-0.2),
     "mouth/mouth-trans-down-up": _Trend(average=0.16, sex=-0.1),
     "mouth/mouth-scale-horiz-decr-incr": _Trend(average=0.08, sex=-0.06),
     "mouth/mouth-angles-down-up": _Trend(average=0.3, sex=-0.2),

@@ -162,18 +162,13 @@ def sample_shading(rng: Generator, *, age: float) -> Shading:
     Returns:
         Plain numbers.
     """
-    shading: Shading = {
-        "depth": float(rng.normal(0.9 + 0.3 * age, 0.15)),
-        "unevenness": float(np.exp(rng.normal(0.0, 0.25))),
-        "left": {},
-        "right": {},
-    }
+    depth, unevenness = rng.normal(0.9 + 0.3 * age, 0.15), np.exp(rng.normal(0.0, 0.25))
+    left, right = dict[str, float](), dict[str, float]()
     for name, shade in _SHADES.items():
-        strength, difference = rng.standard_normal(2)
-        for side, sign in (("left", -1.0), ("right", 1.0)):
-            deviation = shade.sd * (strength + sign * _ASYMMETRY * difference)
-            shading[side][name] = float(shade.mean + deviation)
-    return shading
+        strength, difference = shade.sd * rng.standard_normal(2)
+        left[name] = float(shade.mean + strength - _ASYMMETRY * difference)
+        right[name] = float(shade.mean + strength + _ASYMMETRY * difference)
+    return {"depth": float(depth), "unevenness": float(unevenness), "left": left, "right": right}
 
 
 class ShadingPainter:
