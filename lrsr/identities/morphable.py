@@ -28,11 +28,10 @@ from lrsr.identities.face.mouth import JAW_UNITS, build_mouth, cavity, lining
 from lrsr.identities.face.resting import RestingFace, act, rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.gate import draw_plausible, record
-from lrsr.identities.gate.plausibility import Plausibility, check_face, check_hair
+from lrsr.identities.gate.plausibility import check_face, check_hair
 from lrsr.identities.hair.choice import sample_hair
 from lrsr.identities.hair.hair import build_hair
 from lrsr.identities.hair.scalp import Scalp
-from lrsr.identities.hair.shell import lay_shell, strand_stream
 from lrsr.identities.hair.texture import mean_colour
 from lrsr.identities.head import Head, Part
 from lrsr.identities.population import (
@@ -103,20 +102,16 @@ def _draw_person(seed: int, population: Population) -> tuple[dict[str, Any], Res
     """Draw a person and the face at rest; the gate judges neither texture nor expression."""
     who = _draw_traits(seed, population)
     iris = who["appearance"]["iris"]["half_angle_rad"]
-    anatomy = draw_plausible(
+    (numbers, face), failures = draw_plausible(
         lambda attempt: _draw_face(who, attempt),
         lambda drawn: check_face(drawn[1].skin, drawn[1].eyes, who["sex"], iris),
     )
-    numbers, face = anatomy.drawn
-    skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
-
-    def judge_hair(hair: Mapping[str, Any]) -> Plausibility:
-        shell = lay_shell(hair, skin, strand_stream(seed)).vertices.astype(np.float32)
-        return check_hair(shell, skin, pupils, stands=hair["sunk_mm"] == 0.0)
-
-    hair = draw_plausible(lambda attempt: _draw_hair(who, attempt), judge_hair)
-    gate = record([anatomy, hair])
-    return {**who, "anatomy": numbers, "hair": hair.drawn, "gate": gate}, face
+    skin = face.skin.astype(np.float32)
+    hair, misfits = draw_plausible(
+        lambda attempt: _draw_hair(who, attempt), lambda drawn: check_hair(drawn, skin, seed)
+    )
+    gate = record([*failures, *misfits])
+    return {**who, "anatomy": numbers, "hair": hair, "gate": gate}, face
 
 
 def _draw_traits(seed: int, population: Population) -> dict[str, Any]:

@@ -55,7 +55,6 @@ def traits(person: Person) -> Traits:
 
 def gate(number: int) -> Mapping[str, Any]:
     """Say that one face in three was drawn again, for the first and perhaps a second reason."""
-    failures = (
-        [] if number % 3 else [["mouth: opening, mm", "hair: off the skin, mm"][: 1 + number]]
-    )
-    return {"redraws": len(failures), "failures": failures, "unresolved": []}
+    reasons = ["eye: opening, mm", "hair: height of the edge on the forehead, mm"]
+    failures = [] if number % 3 else [reasons[: 1 + number]]
+    return {"redraws": len(failures), "failures": failures}

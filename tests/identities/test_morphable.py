@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from fakes.scenes import EXPRESSIONS
+from oracles.lids import pierced_mm
 
 from lrsr.identities import morphable
-from lrsr.identities.gate.gate import _MOST_DRAWS, tally
-from lrsr.identities.gate.openings import measure_eyes
-from lrsr.identities.gate.plausibility import Plausibility, Verdict, check_face, check_hair
-from lrsr.identities.hair.hair import build_hair
+from lrsr.identities.gate.plausibility import check_face, check_hair
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import (
     _STREAMS,
@@ -179,11 +177,9 @@ def test_both_sexes_and_all_ancestries_are_about_equally_frequent() -> None:
 def test_the_gate_finds_everybody_a_face_and_hair(
     crowds: Mapping[str, list[dict[str, Any]]],
 ) -> None:
-    for people in crowds.values():
-        assert tally(person["gate"] for person in people)["unresolved"] == 0
-    redraws = [person["gate"]["redraws"] for person in crowds["any"]]
+    redraws = [person["gate"]["redraws"] for people in crowds.values() for person in people]
     assert np.median(redraws) <= 2
-    assert max(redraws) < _MOST_DRAWS
+    assert max(redraws) < 30
 
 
 def test_streams_are_independent_and_repeatable() -> None:
@@ -201,11 +197,8 @@ def refuse_first(monkeypatch: pytest.MonkeyPatch, check: str, count: int) -> Non
     """Let a gate refuse its first draws, whatever they are."""
     true_check, asked = getattr(morphable, check), itertools.count()
 
-    def judge(*given: object, **named: object) -> Plausibility:
-        if next(asked) < count:
-            return Plausibility((Verdict("a whim", 1.0, 0.0, 0.5),))
-        outcome: Plausibility = true_check(*given, **named)
-        return outcome
+    def judge(*given: object) -> list[str]:
+        return ["a whim"] if next(asked) < count else true_check(*given)
 
     monkeypatch.setattr(morphable, check, judge)
 
@@ -245,19 +238,15 @@ def test_a_redrawn_person_is_the_same_one_every_time(monkeypatch: pytest.MonkeyP
 def test_everybody_is_plausible_before_they_get_wrinkles() -> None:
     for seed in range(12):
         parameters, face = morphable._draw_person(seed, EVERYBODY)
-        assert parameters["gate"]["unresolved"] == []
-        iris, hair = parameters["appearance"]["iris"], parameters["hair"]
-        sex, half_angle = parameters["sex"], iris["half_angle_rad"]
-        assert check_face(face.skin, face.eyes, sex, half_angle).passed
-        skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
-        grown = build_hair(hair, skin, seed).vertices
-        assert check_hair(grown, skin, pupils, stands=hair["sunk_mm"] == 0.0).passed
+        half_angle = parameters["appearance"]["iris"]["half_angle_rad"]
+        assert check_face(face.skin, face.eyes, parameters["sex"], half_angle) == []
+        assert check_hair(parameters["hair"], face.skin.astype(np.float32), seed) == []
 
 
 def test_the_gate_does_not_choose_who_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     who = ("sex", "masculinity", "age", "ancestry", "appearance")
     usual = [sample_parameters(seed) for seed in range(8)]
-    monkeypatch.setattr(morphable, "check_face", lambda *_: Plausibility(()))
+    monkeypatch.setattr(morphable, "check_face", lambda *_: [])
     ungated = [sample_parameters(seed) for seed in range(8)]
     for one, other in zip(usual, ungated, strict=True):
         assert [one[name] for name in who] == [other[name] for name in who]
@@ -275,8 +264,7 @@ def test_lids_that_wrinkle_do_not_dip_into_the_eyes(heads: dict[int, Head]) -> N
     for seed, head in heads.items():
         skin = head.part("skin").vertices.astype(np.float64)
         eyes = morphable._draw_person(seed, EVERYBODY)[1].eyes
-        for eye in measure_eyes(skin, eyes, iris_rad=0.37):
-            assert eye.pierced_mm < 0.1
+        assert pierced_mm(skin, eyes, template().lids) < 0.1
 
 
 def test_the_position_map_leads_from_texels_to_the_template() -> None:

@@ -90,7 +90,7 @@ def test_a_head_is_described_by_what_was_drawn_and_what_is_measured() -> None:
 def test_what_the_gate_did_is_recorded_where_it_is_known() -> None:
     head = face((0.4,) * 3, (0.4,) * 3)
     assert describe(head).gate is None
-    did = {"redraws": 1, "failures": [["size"]], "unresolved": []}
+    did = {"redraws": 1, "failures": [["size"]]}
     assert describe(replace(head, parameters={**head.parameters, "gate": did})).gate == did
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from lrsr.identities.face.resting import RestingFace
 from lrsr.identities.gate.plausibility import check_hair
 from lrsr.identities.hair.choice import sample_hair
-from lrsr.identities.hair.shell import lay_shell, strand_stream
 from lrsr.identities.hair.styles import AT_HAIRLINE_MM
 
 _WAYS = ("cut", "grown", "parted")
@@ -52,10 +51,7 @@ def restyle(
     first = int(rng.integers(len(_WAYS)))
     for way in (*_WAYS[first:], *_WAYS[:first]):
         for hair in _tries(person, way, rng):
-            stream = strand_stream(person["seed"])
-            shell = lay_shell(hair, skin, stream).vertices.astype(np.float32)
-            stands = hair["sunk_mm"] == 0.0
-            if check_hair(shell, skin, face.eyes.pupils, stands=stands).passed:
+            if not check_hair(hair, skin, person["seed"]):
                 return hair, way
     return dict(own), "same"
 

@@ -13,8 +13,7 @@ both sexes, the latter widened to cover European, Asian and African groups toget
   facial metrics", Evol. Hum. Behav. 33 (2012) 273-279 (cheekbone prominence 1.1 to 1.3);
 * ears grow 0.22 mm a year: Heathcote, BMJ 311 (1995) 1668;
 * faces are a little crooked: Padwa et al., J. Oral Maxillofac. Surg. 55 (1997) 811-816, find 4
-  degrees the cant that nine observers of ten notice; Haraguchi et al., Angle Orthod. 72 (2002)
-  28-35, call chins 4 mm off the midline asymmetric.
+  degrees the cant that nine observers of ten notice.
 
 Single measures say whether one feature is out of range, *sigma z* (the standard deviation of all z
 scores of a face) whether features that are each possible belong to different faces: Garn et al.,
@@ -185,24 +184,22 @@ def measure_lengths(skin: Points, ipd_mm: float) -> dict[str, float]:
 
 
 def measure_crookedness(skin: Points) -> dict[str, float]:
-    """Measure how unlike the two halves of a face are.
+    """Measure how crooked a mouth is.
 
     Args:
         skin: ``(V, 3)`` render vertices, head frame (the pupils lie on a horizontal), mm.
 
     Returns:
-        The cant of the line between the corners of the mouth, and how far aside from the nasion
-        the middle of the mouth, the tip of the nose and the chin lie.
+        The cant of the line between its corners, and how far aside from the nasion their middle
+        lies.
     """
-    point = {name: skin[vertex] for name, vertex in _landmark_vertices().items()}
-    left, right = point["left cheilion"], point["right cheilion"]
+    vertex = _landmark_vertices()
+    left, right = skin[vertex["left cheilion"]], skin[vertex["right cheilion"]]
     x, y, _ = left - right
-    middle = float(point["nasion"][0])
+    aside = float(left[0] + right[0]) / 2 - float(skin[vertex["nasion"], 0])
     return {
         "crooked: cant of the mouth, degrees": abs(math.degrees(math.atan2(y, x))),
-        "crooked: mouth off the middle, mm": abs(float(left[0] + right[0]) / 2 - middle),
-        "crooked: nose tip off the middle, mm": abs(float(point["pronasale"][0]) - middle),
-        "crooked: chin off the middle, mm": abs(float(point["gnathion"][0]) - middle),
+        "crooked: mouth off the middle, mm": abs(aside),
     }
 
 

@@ -11,7 +11,7 @@ from lrsr.identities.face.expression import NEUTRAL
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.identities.splits import identity_seed
-from lrsr.rendering.live_scene import fits
+from lrsr.rendering.live_scene import _fits
 
 Make = Callable[..., Head]
 
@@ -101,7 +101,7 @@ def test_who_wears_none_has_the_same_parts_out_of_sight(kind: str) -> None:
     wearing, bare = (
         sample_head(seed, texture_size=64, another_day=one) for one in (worn, not_worn)
     )
-    assert fits(wearing, bare)
+    assert _fits(wearing, bare)
     assert kind in wearing.parameters["another_day"]  # type: ignore[operator]
     assert bare.parameters["another_day"] == {}
     for part in bare.parts:

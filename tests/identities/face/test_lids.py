@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from oracles.lids import pierced_mm
 
 from lrsr.identities.face.eyes import Eyes, find_eyes
 from lrsr.identities.face.lids import (
@@ -12,6 +13,7 @@ from lrsr.identities.face.lids import (
     lid_margins,
     rest_lids,
 )
+from lrsr.identities.face.resting import rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.shape.basis import load_basis
 
@@ -55,6 +57,23 @@ def test_clearing_the_template_makes_room_for_the_cornea_alone() -> None:
     average = template()
     moved = clear_lids(average.skin, average.eyes, average.lids)
     assert np.abs(moved - average.skin).max() < 0.6
+
+
+def test_clearing_the_lids_heals_what_was_pierced() -> None:
+    average = template()
+    pierced = clear_lids(average.skin, average.eyes, average.lids)
+    assert pierced_mm(pierced, average.eyes, average.lids) < 0.02
+    index = average.lids.vertices[0]
+    above = average.skin[index, 1] - average.eyes.pupils[0, 1]
+    pierced[index[(above > 0.5) & (above < 12.0)], 2] -= 2.0
+    assert 0.8 < pierced_mm(pierced, average.eyes, average.lids) < 2.1
+    healed = clear_lids(pierced, average.eyes, average.lids)
+    assert pierced_mm(healed, average.eyes, average.lids) < 0.02
+
+
+def test_faces_at_rest_have_lids_that_clear_their_eyes() -> None:
+    face = rest_face(load_basis().neutral)
+    assert pierced_mm(face.skin, face.eyes, template().lids) < 0.1
 
 
 def test_margins_run_along_the_eyeball_from_the_inner_corner_to_the_outer() -> None:

@@ -130,7 +130,7 @@ def test_a_nose_is_as_deep_as_its_tip_lies_before_its_wings() -> None:
 
 
 def test_the_template_is_not_crooked() -> None:
-    assert tuple(measure_crookedness(skin()).values()) == pytest.approx((0.0,) * 4, abs=1e-6)
+    assert tuple(measure_crookedness(skin()).values()) == pytest.approx((0.0, 0.0), abs=1e-6)
 
 
 def test_a_head_turned_in_the_picture_plane_has_a_canted_mouth() -> None:
@@ -143,12 +143,11 @@ def test_a_head_turned_in_the_picture_plane_has_a_canted_mouth() -> None:
     ] == pytest.approx(7.0)
 
 
-def test_a_sheared_head_has_nose_mouth_and_chin_aside_the_chin_most() -> None:
+def test_a_sheared_head_has_its_mouth_aside() -> None:
     sheared = skin()
     sheared[:, 0] += 0.1 * sheared[:, 1]
-    _, mouth, nose, chin = measure_crookedness(sheared).values()
+    _, mouth = measure_crookedness(sheared).values()
     assert mouth == pytest.approx(7.5, abs=0.2)  # 75 mm below the nasion
-    assert 3.0 < nose < mouth < chin
 
 
 def test_crookedness_is_that_of_the_mirrored_head() -> None:

@@ -85,7 +85,7 @@ def test_the_jaw_unrolls_without_folding() -> None:
 
 
 def test_a_beard_of_density_one_has_9000_strands_that_point_down() -> None:
-    strands = beards.beard_strands(PLAIN, np.random.default_rng(0))
+    strands = beards._beard_strands(PLAIN, np.random.default_rng(0))
     assert strands.shape == (9000, 4, 2)
     assert np.mean(strands[:, -1, 1] < strands[:, 0, 1]) > 0.9
 
