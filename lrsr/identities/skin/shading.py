@@ -21,53 +21,31 @@ from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.regions import blob
 
-_HEIGHTS_MM = (
-    53,
-    41,
-    29,
-    23,
-    17,
-    11,
-    5,
-    -1,
-    -7,
-    -13,
-    -25,
-    -37,
-    -43,
-    -46,
-    -49,
-    -55,
-    -61,
-    -79,
-    -91,
-    -103,
-)
-_MEAN = np.array([
-    [0, 0, 0, 0, 0, 0, 0, 0, 0],
-    [10, 7, 3, -3, -10, -10, -5, -4, 0],
-    [12, 13, 20, 15, 2, -12, -16, -16, 0],
-    [15, 32, 40, 32, 0, -12, -22, -16, 0],
-    [12, 27, 35, 25, 5, -1, -24, -16, 0],
-    [5, -5, -23, -34, -12, -29, -21, -15, 0],
-    [-14, -32, -30, -41, -53, -57, -30, -11, 0],
-    [-2, -28, -39, -74, -70, -78, -54, -10, 0],
-    [10, -25, -31, -12, -8, -15, -28, -5, 0],
-    [9, -28, -14, -9, -17, -18, 4, -3, 0],
-    [12, -6, 7, -3, -2, 5, 0, -6, 0],
-    [20, -1, -3, 0, 19, 14, 4, 1, 0],
-    [8, -15, -1, -31, 6, 9, 1, 6, 0],
-    [-5, -45, -20, -36, -8, 4, -3, 8, 0],
-    [-58, -100, -37, -39, -19, 0, -6, 9, 0],
-    [-41, -29, -17, -27, -44, -12, -5, 12, 0],
-    [-21, -13, -15, -15, -52, -15, 5, 9, 0],
-    [14, -7, -8, 13, 1, -4, 5, 19, 0],
-    [12, 19, 20, 14, -22, -25, 10, 10, 0],
-    [0, 0, 0, 0, 0, 0, 0, 0, 0],
-]) / 100  # fmt: skip
-"""Everybody's, every 8 mm from the midline outwards: the logarithm of what luminance is multiplied
-by. Mean of the albedos of 26 photographs of 13 people minus that of ours, both sides averaged, less
-what brows do."""
+_PERCENT = {
+    53: (0, 0, 0, 0, 0, 0, 0, 0),
+    41: (10, 7, 3, -3, -10, -10, -5, -4),
+    29: (12, 13, 20, 15, 2, -12, -16, -16),
+    23: (15, 32, 40, 32, 0, -12, -22, -16),
+    17: (12, 27, 35, 25, 5, -1, -24, -16),
+    11: (5, -5, -23, -34, -12, -29, -21, -15),
+    5: (-14, -32, -30, -41, -53, -57, -30, -11),
+    -1: (-2, -28, -39, -74, -70, -78, -54, -10),
+    -7: (10, -25, -31, -12, -8, -15, -28, -5),
+    -13: (9, -28, -14, -9, -17, -18, 4, -3),
+    -25: (12, -6, 7, -3, -2, 5, 0, -6),
+    -37: (20, -1, -3, 0, 19, 14, 4, 1),
+    -43: (8, -15, -1, -31, 6, 9, 1, 6),
+    -46: (-5, -45, -20, -36, -8, 4, -3, 8),
+    -49: (-58, -100, -37, -39, -19, 0, -6, 9),
+    -55: (-41, -29, -17, -27, -44, -12, -5, 12),
+    -61: (-21, -13, -15, -15, -52, -15, 5, 9),
+    -79: (14, -7, -8, 13, 1, -4, 5, 19),
+    -91: (12, 19, 20, 14, -22, -25, 10, 10),
+    -103: (0, 0, 0, 0, 0, 0, 0, 0),
+}  # fmt: skip
+"""Everybody's shading. Key: y on the template, mm. Values: every 8 mm from the midline outwards,
+the logarithm of what luminance is multiplied by, times 100: mean of the albedos of 26 photographs
+of 13 people minus that of ours, both sides averaged, less what brows do (docs/people.md)."""
 _STEP_MM = 8.0
 
 
@@ -78,7 +56,7 @@ class _Shade(NamedTuple):
         path: |x|, y on the template, mm; a single point for a patch.
         size: Standard deviation across, mm.
         sd: Between people, of the logarithm of luminance where it is strongest.
-        mean: Of what is too fine for :data:`_MEAN`.
+        mean: Of what is too fine for :data:`_PERCENT`.
     """
 
     path: tuple[tuple[float, float], ...]
@@ -88,34 +66,34 @@ class _Shade(NamedTuple):
 
 
 _SHADES = {
-    "temple": _Shade(((53.0, 18.0), (54.0, 30.0)), 8.0, 0.08),
-    "socket": _Shade(((23.0, 7.0), (38.0, 7.0)), 5.5, 0.20),
-    "lid": _Shade(((27.0, 4.5), (34.0, 5.0), (38.0, 4.2)), 2.4, 0.18, -0.25),
+    "temple": _Shade(((53.0, 18.0), (54.0, 30.0)), 8.0, 0.10),
+    "socket": _Shade(((23.0, 7.0), (38.0, 7.0)), 5.5, 0.28),
+    "lid": _Shade(((27.0, 4.5), (34.0, 5.0), (38.0, 4.2)), 2.4, 0.24, -0.25),
     "lid_fold": _Shade(
-        ((20.0, 1.5), (24.0, 5.6), (31.0, 7.8), (38.0, 6.8), (44.0, 2.5)), 1.0, 0.22, -0.25
+        ((20.0, 1.5), (24.0, 5.6), (31.0, 7.8), (38.0, 6.8), (44.0, 2.5)), 1.0, 0.28, -0.25
     ),
     "lashes": _Shade(
         ((21.1, -2.3), (23.8, 1.1), (31.7, 2.9), (38.9, 2.3), (43.0, 0.9), (46.0, -1.5)),
         0.9,
-        0.20,
+        0.25,
         -0.20,
     ),
-    "inner_corner": _Shade(((19.0, -1.0), (23.0, 0.0)), 4.0, 0.25),
-    "outer_corner": _Shade(((44.0, -1.5),), 4.5, 0.20),
-    "under_eye": _Shade(((20.0, -9.0), (26.0, -13.0), (38.0, -12.0)), 3.5, 0.12),
-    "flank": _Shade(((9.0, 4.0), (8.5, -18.0)), 3.5, 0.11),
-    "ridge": _Shade(((0.0, -8.0), (0.0, -30.0)), 3.0, 0.10),
-    "tip": _Shade(((0.0, -37.5),), 4.5, 0.14),
-    "nostril": _Shade(((6.5, -48.5), (10.5, -48.0)), 1.3, 0.35, -0.5),
-    "below_nose": _Shade(((0.0, -52.0), (9.0, -51.5)), 3.0, 0.28),
-    "wing": _Shade(((17.5, -38.0), (21.0, -40.0), (23.2, -44.0), (22.0, -49.0)), 1.3, 0.25, -0.25),
-    "nasolabial": _Shade(((24.0, -48.0), (30.0, -57.0), (33.5, -66.0)), 3.2, 0.22),
-    "apple": _Shade(((34.0, -37.0),), 7.5, 0.11),
-    "philtrum": _Shade(((0.0, -59.0), (10.0, -59.0)), 4.0, 0.12),
-    "mouth_corner": _Shade(((26.8, -74.2),), 2.5, 0.25, -0.35),
-    "mouth_line": _Shade(((0.0, -73.4), (13.0, -73.8), (25.0, -74.3)), 0.9, 0.20, -0.30),
-    "marionette": _Shade(((34.0, -84.0), (37.0, -93.0)), 4.0, 0.14),
-    "chin": _Shade(((0.0, -91.0), (20.0, -91.0)), 6.5, 0.10),
+    "inner_corner": _Shade(((19.0, -1.0), (23.0, 0.0)), 4.0, 0.35),
+    "outer_corner": _Shade(((44.0, -1.5),), 4.5, 0.27),
+    "under_eye": _Shade(((20.0, -9.0), (26.0, -13.0), (38.0, -12.0)), 3.5, 0.14),
+    "flank": _Shade(((9.0, 4.0), (8.5, -18.0)), 3.5, 0.14),
+    "ridge": _Shade(((0.0, -8.0), (0.0, -30.0)), 3.0, 0.14),
+    "tip": _Shade(((0.0, -37.5),), 4.5, 0.20),
+    "nostril": _Shade(((6.5, -48.5), (10.5, -48.0)), 1.3, 0.50, -0.5),
+    "below_nose": _Shade(((0.0, -52.0), (9.0, -51.5)), 3.0, 0.40),
+    "wing": _Shade(((17.5, -38.0), (21.0, -40.0), (23.2, -44.0), (22.0, -49.0)), 1.3, 0.33, -0.25),
+    "nasolabial": _Shade(((24.0, -48.0), (30.0, -57.0), (33.5, -66.0)), 3.2, 0.30),
+    "apple": _Shade(((34.0, -37.0),), 7.5, 0.13),
+    "philtrum": _Shade(((0.0, -59.0), (10.0, -59.0)), 4.0, 0.16),
+    "mouth_corner": _Shade(((26.8, -74.2),), 2.5, 0.32, -0.35),
+    "mouth_line": _Shade(((0.0, -73.4), (13.0, -73.8), (25.0, -74.3)), 0.9, 0.25, -0.30),
+    "marionette": _Shade(((34.0, -84.0), (37.0, -93.0)), 4.0, 0.18),
+    "chin": _Shade(((0.0, -91.0), (20.0, -91.0)), 6.5, 0.13),
 }
 
 _ASYMMETRY = 0.35
@@ -125,9 +103,8 @@ _RED = np.array([0.86, 1.04, 1.14], dtype=np.float32)
 """Light that has met skin more than once is redder: the shares of the shading in each channel."""
 _DEEPEST = np.float32(-1.6)
 """No skin is darker than a fifth of what lies open."""
-_OCTAVES = ((34, 0.022), (70, 0.024), (140, 0.018))
-"""Cells around the head, 14, 7 and 3.5 mm, and spread of the logarithm of luminance."""
-
+_OCTAVES = ((34, 0.031), (70, 0.034), (140, 0.025))
+"""Cells around the head, 14, 7 and 3.5 mm, and spread of the logarithm of luminance there."""
 
 _FOLDED = (
     ((31.0, 2.0, 0.0), (13.0, 8.0, 25.0)),
@@ -188,9 +165,7 @@ class ShadingPainter:
         self._cells = _cells(position)
         self._mean = _draw_mean(position) * layout.front
         folded = sum(blob(position, centre, size) for centre, size in _FOLDED)
-        self._uneven = layout.front * (1 + np.float32(_MORE) * np.minimum(folded, 1.0)).astype(
-            np.float32
-        )
+        self._uneven = layout.front * np.float32(1 + _MORE * np.minimum(folded, 1.0))
 
     def paint(self, albedo: FloatMap, shading: Shading, rng: Generator) -> None:
         """Shade one person's skin.
@@ -217,7 +192,7 @@ class ShadingPainter:
         sheet = np.zeros(_SHEET, dtype=np.float32)
         for cells, sd in _OCTAVES:
             rows = cells * height // width
-            grid = rng.standard_normal((rows, cells), dtype=np.float32) * np.float32(1.4 * sd)
+            grid = rng.standard_normal((rows, cells), dtype=np.float32) * np.float32(sd)
             sheet += cv2.resize(grid, (width, height), interpolation=cv2.INTER_CUBIC)
         return np.asarray(cv2.remap(sheet, self._cells, None, cv2.INTER_LINEAR))
 
@@ -241,13 +216,13 @@ def _cells(position: FloatMap) -> FloatMap:
 
 
 def _draw_mean(position: FloatMap) -> FloatMap:
-    """Interpolate :data:`_MEAN`."""
-    mirrored = np.concatenate([_MEAN[:, :0:-1], _MEAN], axis=1).astype(np.float32)
-    column = position[..., 0] / np.float32(_STEP_MM) + np.float32(_MEAN.shape[1] - 1)
-    row = np.interp(-position[..., 1], -np.array(_HEIGHTS_MM), np.arange(len(_HEIGHTS_MM)))
-    return np.asarray(
-        cv2.remap(mirrored, column, row.astype(np.float32), cv2.INTER_CUBIC), dtype=np.float32
-    )
+    """Interpolate :data:`_PERCENT`, which fades to nothing at its outer border."""
+    half = np.pad(np.array(list(_PERCENT.values()), dtype=np.float32) / 100, ((0, 0), (0, 1)))
+    sheet = np.concatenate([half[:, :0:-1], half], axis=1)
+    column = position[..., 0] / np.float32(_STEP_MM) + np.float32(half.shape[1] - 1)
+    row = np.interp(-position[..., 1], [-y for y in _PERCENT], np.arange(len(_PERCENT)))
+    mean = cv2.remap(sheet, column, row.astype(np.float32), cv2.INTER_CUBIC)
+    return np.asarray(mean, dtype=np.float32)
 
 
 def _draw(shade: _Shade, position: FloatMap) -> _Weight:
