@@ -139,9 +139,7 @@ def _gate_sentence(gate: Mapping[str, Any]) -> str:
         gate: As :func:`lrsr.identities.gate.gate.tally` counts.
     """
     people, redrawn = gate["people"], gate["redrawn"]
-    said = f"{redrawn} of {people} {_noun(people)} had a face or hair drawn again as implausible"
-    left = gate["unresolved"]
-    return f"{said}; {left} could not be made plausible." if left else f"{said}."
+    return f"{redrawn} of {people} {_noun(people)} had a face or hair drawn again as implausible."
 
 
 def _write_pictures(folder: Path, gallery: Gallery, findings: Findings) -> dict[Drawn, Picture]:

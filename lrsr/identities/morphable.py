@@ -28,11 +28,10 @@ from lrsr.identities.face.mouth import JAW_UNITS, build_mouth, cavity, lining
 from lrsr.identities.face.resting import RestingFace, act, rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.gate import draw_plausible, record
-from lrsr.identities.gate.plausibility import Plausibility, check_face, check_hair
+from lrsr.identities.gate.plausibility import check_face, check_hair
 from lrsr.identities.hair.choice import sample_hair
 from lrsr.identities.hair.hair import build_hair
 from lrsr.identities.hair.scalp import Scalp
-from lrsr.identities.hair.shell import lay_shell, strand_stream
 from lrsr.identities.hair.texture import mean_colour
 from lrsr.identities.head import Head, Part
 from lrsr.identities.population import (
@@ -51,18 +50,18 @@ from lrsr.identities.skin.relief import displace
 RECIPE_VERSION = "9"
 """Changes whenever the same seed would give other pixels."""
 
-STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")
+_STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")
 """One independent source of chance for each; append, never reorder."""
 
 _LASH_ALBEDO = 0.015
 
 
-def stream(seed: int, name: str, attempt: int = 0) -> Generator:
+def _stream(seed: int, name: str, attempt: int = 0) -> Generator:
     """Return the random generator of one trait of one person.
 
     Args:
         seed: The person, >= 0.
-        name: One of :data:`STREAMS`.
+        name: One of :data:`_STREAMS`.
         attempt: How often the trait was drawn before, >= 0.
 
     Raises:
@@ -71,7 +70,7 @@ def stream(seed: int, name: str, attempt: int = 0) -> Generator:
     if seed < 0:
         raise ValueError(f"seed must be >= 0, got {seed}")
     key = (attempt,) if attempt else ()
-    return np.random.default_rng(SeedSequence([seed, STREAMS.index(name)], spawn_key=key))
+    return np.random.default_rng(SeedSequence([seed, _STREAMS.index(name)], spawn_key=key))
 
 
 def _sample_masculinity(rng: Generator) -> float:
@@ -103,25 +102,21 @@ def _draw_person(seed: int, population: Population) -> tuple[dict[str, Any], Res
     """Draw a person and the face at rest; the gate judges neither texture nor expression."""
     who = _draw_traits(seed, population)
     iris = who["appearance"]["iris"]["half_angle_rad"]
-    anatomy = draw_plausible(
+    (numbers, face), failures = draw_plausible(
         lambda attempt: _draw_face(who, attempt),
         lambda drawn: check_face(drawn[1].skin, drawn[1].eyes, who["sex"], iris),
     )
-    numbers, face = anatomy.drawn
-    skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
-
-    def judge_hair(hair: Mapping[str, Any]) -> Plausibility:
-        shell = lay_shell(hair, skin, strand_stream(seed)).vertices.astype(np.float32)
-        return check_hair(shell, skin, pupils, stands=hair["sunk_mm"] == 0.0)
-
-    hair = draw_plausible(lambda attempt: _draw_hair(who, attempt), judge_hair)
-    gate = record([anatomy, hair])
-    return {**who, "anatomy": numbers, "hair": hair.drawn, "gate": gate}, face
+    skin = face.skin.astype(np.float32)
+    hair, misfits = draw_plausible(
+        lambda attempt: _draw_hair(who, attempt), lambda drawn: check_hair(drawn, skin, seed)
+    )
+    gate = record([*failures, *misfits])
+    return {**who, "anatomy": numbers, "hair": hair, "gate": gate}, face
 
 
 def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
     """Draw what is never drawn again: sex, age, ancestry, and all colours."""
-    rng = stream(seed, "person")
+    rng = _stream(seed, "person")
     masculinity = population.masculinity(_sample_masculinity(rng))
     age = population.age(float(rng.beta(1.1, 1.5)))
     shares = population.shares(rng.dirichlet([0.25] * len(ANCESTRIES)))
@@ -134,7 +129,7 @@ def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
         "age_years": YOUNGEST_YEARS + (OLDEST_YEARS - YOUNGEST_YEARS) * age,
         "ancestry": {race: float(share) for race, share in zip(ANCESTRIES, shares, strict=True)},
         "appearance": sample_appearance(
-            stream(seed, "appearance"), masculinity=masculinity, age=age, ancestry=shares
+            _stream(seed, "appearance"), masculinity=masculinity, age=age, ancestry=shares
         ),
     }
 
@@ -147,26 +142,26 @@ def _another_day(
     def appearance_at(age: float) -> Mapping[str, Any]:
         shares = [parameters["ancestry"][race] for race in ANCESTRIES]
         masculinity = parameters["masculinity"]
-        rng = stream(parameters["seed"], "appearance")
+        rng = _stream(parameters["seed"], "appearance")
         return sample_appearance(rng, masculinity=masculinity, age=age, ancestry=shares)
 
     return change_person(parameters, face, day, appearance_at)
 
 
 def _draw_face(who: Mapping[str, Any], attempt: int) -> tuple[Anatomy, RestingFace]:
-    names, rng = load_basis().names, stream(who["seed"], "anatomy", attempt)
+    names, rng = load_basis().names, _stream(who["seed"], "anatomy", attempt)
     traits = {trait: who[trait] for trait in ("masculinity", "age", "ancestry")}
     anatomy = sample_anatomy(names, load_gauge(), rng, **traits)
     return anatomy, rest_face(coefficients(names, anatomy, **traits))
 
 
 def _draw_hair(who: Mapping[str, Any], attempt: int) -> dict[str, Any]:
-    rng, colour = stream(who["seed"], "hair", attempt), who["appearance"]["hair_colour"]
+    rng, colour = _stream(who["seed"], "hair", attempt), who["appearance"]["hair_colour"]
     return sample_hair(rng, who["masculinity"], who["age"], who["ancestry"], colour)
 
 
 @lru_cache(maxsize=4)
-def position_map(texture_size: int) -> PositionMap:
+def _position_map(texture_size: int) -> PositionMap:
     """Tell which point of the template each texel of the skin shows; later calls are free.
 
     Args:
@@ -187,7 +182,7 @@ def position_map(texture_size: int) -> PositionMap:
 
 @lru_cache(maxsize=2)
 def _painters(texture_size: int) -> tuple[SkinPainter, Scalp]:
-    chart = position_map(texture_size)
+    chart = _position_map(texture_size)
     return SkinPainter(chart, template().skin), Scalp(chart.points)
 
 
@@ -207,7 +202,7 @@ def _make_eyes(
     eyes: Eyes, margins: NDArray[np.float64], parameters: Mapping[str, Any]
 ) -> Iterator[Part]:
     """Make both eyeballs, left in the image first, and the lashes before them."""
-    ball, rng = unit_ball(), stream(parameters["seed"], "eyes")
+    ball, rng = unit_ball(), _stream(parameters["seed"], "eyes")
     appearance = parameters["appearance"]
     for which, name in enumerate(("left_eye", "right_eye")):
         iris = paint_eye(appearance["iris"], rng, eye_chart(eyes, which, margins[which]))
@@ -221,7 +216,7 @@ def _make_eyes(
 
 def _make_mouth(rest: BaseHead, acting: NDArray[np.float64], parameters: Mapping[str, Any]) -> Part:
     """Make teeth and tongue; the jaw carries the lower ones."""
-    column, shade = load_basis().column, stream(parameters["seed"], "mouth").standard_normal()
+    column, shade = load_basis().column, _stream(parameters["seed"], "mouth").standard_normal()
     units = {unit: float(acting[column[f"unit/{unit}"]]) for unit in JAW_UNITS}
     return build_mouth(rest, units, age=parameters["age"], shade=float(shade))
 

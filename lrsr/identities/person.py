@@ -139,7 +139,7 @@ def describe(head: Head) -> Traits:
         KeyError: The parameters lack sex, age or ancestry.
     """
     drawn = head.parameters
-    ita_deg = typology_angle_deg(cheek_reflectance(head))
+    ita_deg = _typology_angle_deg(_cheek_reflectance(head))
     return Traits(
         sex=str(drawn["sex"]),
         age_years=round(float(drawn["age_years"]), 2),  # type: ignore[arg-type]  # a number
@@ -148,13 +148,13 @@ def describe(head: Head) -> Traits:
             for race, share in dict(drawn["ancestry"]).items()  # type: ignore[call-overload]  # shares by name
         },
         ita_deg=round(ita_deg, 2),
-        skin_tone=tone_of(ita_deg),
+        skin_tone=_tone_of(ita_deg),
         gate=drawn.get("gate"),  # type: ignore[arg-type]  # a record
         changes=drawn.get("another_day"),  # type: ignore[arg-type]  # another
     )
 
 
-def cheek_reflectance(head: Head) -> NDArray[np.float64]:
+def _cheek_reflectance(head: Head) -> NDArray[np.float64]:
     """Measure the skin of both cheeks: the median, so that moles and single hairs do not count.
 
     The patches lie between each eye and its corner of the mouth, a little outwards, where neither
@@ -179,7 +179,7 @@ def cheek_reflectance(head: Head) -> NDArray[np.float64]:
     return np.asarray(np.median(skin.albedo[row, column].astype(np.float64), axis=0))
 
 
-def typology_angle_deg(linear: ArrayLike) -> float:
+def _typology_angle_deg(linear: ArrayLike) -> float:
     """Return the individual typology angle, arctan((L* - 50) / b*).
 
     Args:
@@ -189,7 +189,7 @@ def typology_angle_deg(linear: ArrayLike) -> float:
         -90 to 90 degrees for any skin (b* > 0).
 
     Example:
-        >>> round(typology_angle_deg([0.55, 0.36, 0.27]))  # fair skin
+        >>> round(_typology_angle_deg([0.55, 0.36, 0.27]))  # fair skin
         52
     """
     ratio = _LINEAR_SRGB_TO_XYZ @ np.asarray(linear, dtype=np.float64) / _WHITE
@@ -198,11 +198,11 @@ def typology_angle_deg(linear: ArrayLike) -> float:
     return float(np.degrees(np.arctan2(lightness - 50, max(yellowness, 1e-9))))
 
 
-def tone_of(ita_deg: float) -> str:
+def _tone_of(ita_deg: float) -> str:
     """Return the class of an angle; a boundary belongs to the darker class.
 
     Example:
-        >>> [tone_of(angle) for angle in (60, 50, 28, 28.1, -30)]
+        >>> [_tone_of(angle) for angle in (60, 50, 28, 28.1, -30)]
         ['very light', 'light', 'tan', 'intermediate', 'dark']
     """
     names = list(TONES)

@@ -22,7 +22,7 @@ ANCESTRIES = ("african", "asian", "caucasian")
 YOUNGEST_YEARS, OLDEST_YEARS = 25.0, 75.0
 """What the shape space's young and old adult stand for; nobody is younger or older."""
 
-PURITY = 0.85
+_PURITY = 0.85
 """Share of the chosen ancestries that a restricted person has at least; real people are mixed."""
 
 
@@ -121,7 +121,7 @@ class Population:
         if self.ancestry == ANCESTRIES:
             return everything
         kept = np.array([race in self.ancestry for race in ANCESTRIES]) * (everything + 1e-9)
-        return np.asarray(PURITY * kept / kept.sum() + (1 - PURITY) * everything)
+        return np.asarray(_PURITY * kept / kept.sum() + (1 - _PURITY) * everything)
 
 
 EVERYBODY = Population()

@@ -174,7 +174,7 @@ class IdentityRange:
         population = population_from(asdict(self))
         if self.roster is None:
             return Cast(population)
-        return Cast(population, read_roster(Path(self.roster).expanduser()))
+        return Cast(population, _read_roster(Path(self.roster).expanduser()))
 
     def person(self, index: int) -> Person:
         """Return somebody by the number within the split."""
@@ -196,7 +196,7 @@ def write_roster(path: Path, roster: Roster) -> Path:
     return path
 
 
-def read_roster(path: Path) -> Roster:
+def _read_roster(path: Path) -> Roster:
     """Read and check a roster.
 
     Raises:

@@ -117,10 +117,10 @@ def _write_person(folder: Path, head: Head, picture: Picture, seen: Survey) -> N
     arrays = io.BytesIO()
     np.savez_compressed(arrays, depth_m=seen.depth_m, normals=seen.normals, parts=seen.parts)
     write_bytes(folder / "geometry.npz", arrays.getvalue(), durable=False)
-    write_json(folder / _LAST, describe(head, picture, seen))
+    write_json(folder / _LAST, _describe(head, picture, seen))
 
 
-def describe(head: Head, picture: Picture, seen: Survey) -> dict[str, Any]:
+def _describe(head: Head, picture: Picture, seen: Survey) -> dict[str, Any]:
     """Say where the landmarks are, in plain values, and by which camera.
 
     Returns:

@@ -34,7 +34,7 @@ def write_meshes(folder: Path, head: Head) -> list[str]:
     """
     from trimesh.exchange.obj import export_obj  # half a second
 
-    scene = make_scene(head)
+    scene = _make_scene(head)
     text, textures = export_obj(scene, return_texture=True, mtl_name="head.mtl", digits=6)
     files = {"head.glb": scene.export(file_type="glb"), "head.obj": text.encode(), **textures}
     for name, content in files.items():
@@ -42,7 +42,7 @@ def write_meshes(folder: Path, head: Head) -> list[str]:
     return sorted(files)
 
 
-def make_scene(head: Head) -> Any:
+def _make_scene(head: Head) -> Any:
     """Return a ``trimesh.Scene`` of a head, a geometry and a node for each part, in metres."""
     import trimesh
 
@@ -53,7 +53,7 @@ def make_scene(head: Head) -> Any:
     return scene
 
 
-def srgb_texture(albedo: NDArray[np.float32]) -> NDArray[np.uint8]:
+def _srgb_texture(albedo: NDArray[np.float32]) -> NDArray[np.uint8]:
     """Return linear reflectance ``(H, W, 3)`` as 8-bit sRGB."""
     levels = encode(torch.from_numpy(np.ascontiguousarray(albedo, dtype=np.float32))) * 255
     return np.asarray(levels.round().numpy().astype(np.uint8))
@@ -68,7 +68,7 @@ def _mesh(part: Part) -> Any:
     is_glass = part.material == "glass"
     material = PBRMaterial(
         name=part.name,
-        baseColorTexture=Image.fromarray(srgb_texture(part.albedo)),
+        baseColorTexture=Image.fromarray(_srgb_texture(part.albedo)),
         baseColorFactor=[1.0, 1.0, 1.0, _GLASS_OPACITY if is_glass else 1.0],
         alphaMode="BLEND" if is_glass else "OPAQUE",
         metallicFactor=float(part.material == "metal"),

@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from lrsr.identities.appearance import SkinPainter
 from lrsr.identities.face.template import template
-from lrsr.identities.morphable import position_map, sample_parameters
+from lrsr.identities.morphable import _position_map, sample_parameters
 from lrsr.identities.skin import regions
 from lrsr.identities.skin.lines import draw_lines, sample_lines
 
@@ -48,7 +48,7 @@ def test_lines(benchmark: BenchmarkFixture) -> None:
 
 @pytest.mark.benchmark(group="skin")
 def test_skin(benchmark: BenchmarkFixture) -> None:
-    layout = position_map(512)
+    layout = _position_map(512)
     painter, person = SkinPainter(layout, template().skin), sample_parameters(0)["appearance"]
     benchmark(painter.paint, person, 0)
     kept = cpu_s(lambda: painter.paint(person, 0))

@@ -15,7 +15,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from lrsr.identities.hair.hair import build_hair
 from lrsr.identities.hair.scalp import Scalp
 from lrsr.identities.hair.styles import STYLES, style_parameters
-from lrsr.identities.morphable import position_map, sample_head
+from lrsr.identities.morphable import _position_map, sample_head
 
 COLOUR = {"hair_colour": [0.1, 0.05, 0.02], "grey": 0.2}
 
@@ -42,7 +42,7 @@ def test_mesh_and_texture(benchmark: BenchmarkFixture, style: str) -> None:
 
 @pytest.mark.benchmark(group="hair")
 def test_roots(benchmark: BenchmarkFixture) -> None:
-    scalp = Scalp(position_map(512).points)
+    scalp = Scalp(_position_map(512).points)
     hair = style_parameters("crop", np.random.default_rng(0))
     benchmark(scalp.paint, hair, 0)
     painted, whole = cpu_s(lambda: scalp.paint(hair, 0)), cpu_s(lambda: sample_head(0), 2)

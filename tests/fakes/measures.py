@@ -2,9 +2,9 @@
 
 from numpy.typing import ArrayLike
 
-from lrsr.evaluation.arrays import check_finite, check_scores
+from lrsr.evaluation.arrays import check_finite, check_scores, plain_number
 from lrsr.evaluation.placements import place
-from lrsr.evaluation.rates import OperatingPoint, _Moments, _operating_point, _separation
+from lrsr.evaluation.rates import _TARGET, OperatingPoint, _Moments, _operating_point, _separation
 from lrsr.evaluation.roc import RocCurve, trace_roc_of
 
 
@@ -18,7 +18,8 @@ def fnmr_at_fmr(
     genuine, impostor = check_scores(genuine, "genuine"), check_scores(impostor, "impostor")
     check_finite(genuine, "genuine")
     check_finite(impostor, "impostor")
-    return _operating_point(genuine, impostor, impostor.size, target_fmr, level)
+    target = plain_number(target_fmr, _TARGET)
+    return _operating_point(genuine, impostor, impostor.size, target, level)
 
 
 def d_prime(genuine: ArrayLike, impostor: ArrayLike) -> float:

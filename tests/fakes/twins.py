@@ -9,7 +9,7 @@ from fakes.painted import PaintedMaker
 from lrsr.evaluation.distinctness import Drawn
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import RECIPE_VERSION
-from lrsr.identities.person import Person, Traits, tone_of
+from lrsr.identities.person import Person, Traits, _tone_of
 from lrsr.pictures.recipe import Recipe
 from lrsr.rendering.radiance import Radiance
 
@@ -50,12 +50,11 @@ def traits(person: Person) -> Traits:
     ancestry = {"african": 0.1, "asian": 0.1, "caucasian": 0.8}
     sex = ("female", "male")[number % 2]
     age_years = 25.0 + number % 40 + person.draw
-    return Traits(sex, age_years, ancestry, ita_deg, tone_of(ita_deg), gate(number))
+    return Traits(sex, age_years, ancestry, ita_deg, _tone_of(ita_deg), gate(number))
 
 
 def gate(number: int) -> Mapping[str, Any]:
     """Say that one face in three was drawn again, for the first and perhaps a second reason."""
-    failures = (
-        [] if number % 3 else [["mouth: opening, mm", "hair: off the skin, mm"][: 1 + number]]
-    )
-    return {"redraws": len(failures), "failures": failures, "unresolved": []}
+    reasons = ["eye: opening, mm", "hair: height of the edge on the forehead, mm"]
+    failures = [] if number % 3 else [reasons[: 1 + number]]
+    return {"redraws": len(failures), "failures": failures}

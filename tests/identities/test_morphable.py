@@ -9,20 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 from fakes.scenes import EXPRESSIONS
+from oracles.lids import pierced_mm
 
 from lrsr.identities import morphable
-from lrsr.identities.gate.gate import MOST_DRAWS, tally
-from lrsr.identities.gate.openings import measure_eyes
-from lrsr.identities.gate.plausibility import Plausibility, Verdict, check_face, check_hair
-from lrsr.identities.hair.hair import build_hair
+from lrsr.identities.gate.plausibility import check_face, check_hair
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import (
+    _STREAMS,
     RECIPE_VERSION,
-    STREAMS,
-    position_map,
+    _position_map,
+    _stream,
     sample_head,
     sample_parameters,
-    stream,
     template,
 )
 from lrsr.identities.population import ANCESTRIES, EVERYBODY
@@ -179,33 +177,28 @@ def test_both_sexes_and_all_ancestries_are_about_equally_frequent() -> None:
 def test_the_gate_finds_everybody_a_face_and_hair(
     crowds: Mapping[str, list[dict[str, Any]]],
 ) -> None:
-    for people in crowds.values():
-        assert tally(person["gate"] for person in people)["unresolved"] == 0
-    redraws = [person["gate"]["redraws"] for person in crowds["any"]]
+    redraws = [person["gate"]["redraws"] for people in crowds.values() for person in people]
     assert np.median(redraws) <= 2
-    assert max(redraws) < MOST_DRAWS
+    assert max(redraws) < 30
 
 
 def test_streams_are_independent_and_repeatable() -> None:
-    assert stream(4, "hair").random() == stream(4, "hair").random()
-    assert len({stream(s, n).random() for s in (4, 5) for n in ("hair", "eyes")}) == 4
+    assert _stream(4, "hair").random() == _stream(4, "hair").random()
+    assert len({_stream(s, n).random() for s in (4, 5) for n in ("hair", "eyes")}) == 4
 
 
 def test_a_stream_drawn_again_is_another_and_the_first_is_what_it_always_was() -> None:
-    draws = [stream(4, "hair", attempt).random() for attempt in range(5)]
-    assert len({*draws, stream(5, "hair").random(), stream(4, "eyes").random()}) == 7
-    assert draws[0] == np.random.default_rng([4, STREAMS.index("hair")]).random()
+    draws = [_stream(4, "hair", attempt).random() for attempt in range(5)]
+    assert len({*draws, _stream(5, "hair").random(), _stream(4, "eyes").random()}) == 7
+    assert draws[0] == np.random.default_rng([4, _STREAMS.index("hair")]).random()
 
 
 def refuse_first(monkeypatch: pytest.MonkeyPatch, check: str, count: int) -> None:
     """Let a gate refuse its first draws, whatever they are."""
     true_check, asked = getattr(morphable, check), itertools.count()
 
-    def judge(*given: object, **named: object) -> Plausibility:
-        if next(asked) < count:
-            return Plausibility((Verdict("a whim", 1.0, 0.0, 0.5),))
-        outcome: Plausibility = true_check(*given, **named)
-        return outcome
+    def judge(*given: object) -> list[str]:
+        return ["a whim"] if next(asked) < count else true_check(*given)
 
     monkeypatch.setattr(morphable, check, judge)
 
@@ -245,19 +238,15 @@ def test_a_redrawn_person_is_the_same_one_every_time(monkeypatch: pytest.MonkeyP
 def test_everybody_is_plausible_before_they_get_wrinkles() -> None:
     for seed in range(12):
         parameters, face = morphable._draw_person(seed, EVERYBODY)
-        assert parameters["gate"]["unresolved"] == []
-        iris, hair = parameters["appearance"]["iris"], parameters["hair"]
-        sex, half_angle = parameters["sex"], iris["half_angle_rad"]
-        assert check_face(face.skin, face.eyes, sex, half_angle).passed
-        skin, pupils = face.skin.astype(np.float32), face.eyes.pupils
-        grown = build_hair(hair, skin, seed).vertices
-        assert check_hair(grown, skin, pupils, stands=hair["sunk_mm"] == 0.0).passed
+        half_angle = parameters["appearance"]["iris"]["half_angle_rad"]
+        assert check_face(face.skin, face.eyes, parameters["sex"], half_angle) == []
+        assert check_hair(parameters["hair"], face.skin.astype(np.float32), seed) == []
 
 
 def test_the_gate_does_not_choose_who_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     who = ("sex", "masculinity", "age", "ancestry", "appearance")
     usual = [sample_parameters(seed) for seed in range(8)]
-    monkeypatch.setattr(morphable, "check_face", lambda *_: Plausibility(()))
+    monkeypatch.setattr(morphable, "check_face", lambda *_: [])
     ungated = [sample_parameters(seed) for seed in range(8)]
     for one, other in zip(usual, ungated, strict=True):
         assert [one[name] for name in who] == [other[name] for name in who]
@@ -275,12 +264,11 @@ def test_lids_that_wrinkle_do_not_dip_into_the_eyes(heads: dict[int, Head]) -> N
     for seed, head in heads.items():
         skin = head.part("skin").vertices.astype(np.float64)
         eyes = morphable._draw_person(seed, EVERYBODY)[1].eyes
-        for eye in measure_eyes(skin, eyes, iris_rad=0.37):
-            assert eye.pierced_mm < 0.1
+        assert pierced_mm(skin, eyes, template().lids) < 0.1
 
 
 def test_the_position_map_leads_from_texels_to_the_template() -> None:
-    surface, chart = load_basis().surface, position_map(256)
+    surface, chart = load_basis().surface, _position_map(256)
     texel = np.clip((surface.uv * 256).astype(int), 0, 255)
     away = np.linalg.norm(chart.points[texel[:, 1], texel[:, 0]] - template().skin, axis=1)
     assert np.median(away) < 1.0
@@ -289,7 +277,7 @@ def test_the_position_map_leads_from_texels_to_the_template() -> None:
 
 
 def test_the_pupils_have_a_hundred_texels_between_them() -> None:
-    chart = position_map(512)
+    chart = _position_map(512)
     face = chart.mask & (np.abs(chart.points[..., 1] - 12) < 1) & (chart.points[..., 2] > -30)
     columns = np.arange(512)[None].repeat(512, 0)
     left = columns[face & (np.abs(chart.points[..., 0] + 32) < 1)].mean()
@@ -299,7 +287,7 @@ def test_the_pupils_have_a_hundred_texels_between_them() -> None:
 
 def test_a_position_map_of_next_to_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match="texture_size"):
-        position_map(63)
+        _position_map(63)
 
 
 @pytest.mark.parametrize("call", [sample_head, sample_parameters], ids=lambda f: f.__name__)
@@ -315,9 +303,9 @@ def test_a_tiny_texture_is_refused() -> None:
 
 def test_an_unknown_stream_is_refused() -> None:
     with pytest.raises(ValueError, match="tuple"):
-        stream(0, "voice")
+        _stream(0, "voice")
 
 
 def test_a_negative_seed_has_no_stream() -> None:
     with pytest.raises(ValueError, match="seed"):
-        stream(-1, "hair")
+        _stream(-1, "hair")

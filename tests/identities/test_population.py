@@ -10,10 +10,10 @@ import pytest
 from lrsr.errors import InputError
 from lrsr.identities.morphable import sample_parameters
 from lrsr.identities.population import (
+    _PURITY,
     ANCESTRIES,
     EVERYBODY,
     OLDEST_YEARS,
-    PURITY,
     YOUNGEST_YEARS,
     Population,
     population_from,
@@ -58,7 +58,7 @@ def test_who_has_the_wanted_sex_stays_who_they_were() -> None:
 def test_a_single_ancestry_is_most_of_everyone(race: str) -> None:
     only = Population(ancestry=(race,))
     shares = [sample_parameters(seed, population=only)["ancestry"] for seed in SEEDS]
-    assert min(share[race] for share in shares) >= PURITY
+    assert min(share[race] for share in shares) >= _PURITY
     np.testing.assert_allclose([sum(share.values()) for share in shares], 1.0)
 
 

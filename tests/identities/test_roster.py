@@ -12,7 +12,7 @@ from lrsr.errors import InputError
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.person import Person
 from lrsr.identities.population import EVERYBODY, Population
-from lrsr.identities.roster import Cast, IdentityRange, Roster, read_roster, write_roster
+from lrsr.identities.roster import Cast, IdentityRange, Roster, _read_roster, write_roster
 from lrsr.identities.splits import LARGEST_INDEX, SPLITS, identity_seed
 
 WOMEN = Population("female", ("asian",), (30, 50))
@@ -42,7 +42,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_a_roster_comes_back_as_it_was(path: Path) -> None:
-    assert read_roster(path) == ROSTER
+    assert _read_roster(path) == ROSTER
 
 
 def test_a_roster_is_the_same_bytes_each_time(path: Path, tmp_path: Path) -> None:
@@ -83,7 +83,7 @@ def test_a_roster_of_others_is_refused_with_the_words_to_add() -> None:
 def test_another_recipe_of_heads_needs_another_roster(tmp_path: Path) -> None:
     path = write_roster(tmp_path / "old.json", replace(ROSTER, recipe="0"))
     with pytest.raises(InputError, match=r"old\.json is of heads of recipe 0"):
-        read_roster(path)
+        _read_roster(path)
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_another_recipe_of_heads_needs_another_roster(tmp_path: Path) -> None:
 )
 def test_a_change_by_hand_is_noticed(path: Path, change: Any, says: str) -> None:
     with pytest.raises(InputError, match=says):
-        read_roster(changed(path, change))
+        _read_roster(changed(path, change))
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_a_change_by_hand_is_noticed(path: Path, change: Any, says: str) -> None
 def test_what_is_no_roster_is_refused(tmp_path: Path, text: str, says: str) -> None:
     (tmp_path / "x.json").write_text(text)
     with pytest.raises(InputError, match=says):
-        read_roster(tmp_path / "x.json")
+        _read_roster(tmp_path / "x.json")
 
 
 def test_a_roster_with_fields_of_another_version_is_refused(path: Path) -> None:
@@ -118,12 +118,12 @@ def test_a_roster_with_fields_of_another_version_is_refused(path: Path) -> None:
         content["sha256"] = _digest(content)
 
     with pytest.raises(InputError, match="no roster of this version"):
-        read_roster(changed(path, rename))
+        _read_roster(changed(path, rename))
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"cannot read .*none\.json: No such file"):
-        read_roster(tmp_path / "none.json")
+        _read_roster(tmp_path / "none.json")
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(path: Path) -> None:

@@ -53,7 +53,7 @@ def test_what_was_put_is_got_bit_for_bit(cache: RenderCache) -> None:
 
 
 def test_who_a_picture_shows_is_kept_with_it(cache: RenderCache) -> None:
-    gate = {"redraws": 2, "failures": [["size"], ["size", "hair"]], "unresolved": []}
+    gate = {"redraws": 2, "failures": [["size"], ["size", "hair"]]}
     traits = Traits("male", 61.5, {"african": 0.5, "asian": 0.5}, -12.0, "brown", gate)
     cache.put(KEY, replace(radiance(), traits=traits))
     found = cache.get(KEY)

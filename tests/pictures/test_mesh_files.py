@@ -10,7 +10,7 @@ from oracles.heads import ellipsoid_part, stand_in
 
 from lrsr.errors import InputError
 from lrsr.identities.head import Head
-from lrsr.pictures.mesh_files import make_scene, srgb_texture, write_meshes
+from lrsr.pictures.mesh_files import _make_scene, _srgb_texture, write_meshes
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def test_a_texture_shows_each_vertex_its_own_albedo(head: Head, tmp_path: Path) 
     scene = trimesh.load_scene(tmp_path / "head.glb", process=False)
     part, mesh = head.parts[0], scene.geometry["skin"]
     pixels = np.asarray(mesh.visual.material.baseColorTexture)
-    np.testing.assert_array_equal(pixels, srgb_texture(part.albedo))
+    np.testing.assert_array_equal(pixels, _srgb_texture(part.albedo))
     u, v = mesh.visual.uv[100]
     row, column = int((1 - v) * 8), int(u * 8)
     assert (column, row) == (int(part.uv[100, 0] * 8), int(part.uv[100, 1] * 8))
@@ -62,21 +62,21 @@ def test_obj_read_back_has_the_same_triangles(head: Head, tmp_path: Path) -> Non
 
 
 def test_glass_lets_light_through(head: Head) -> None:
-    materials = {name: mesh.visual.material for name, mesh in make_scene(head).geometry.items()}
+    materials = {name: mesh.visual.material for name, mesh in _make_scene(head).geometry.items()}
     assert materials["lenses"].alphaMode == "BLEND"
     assert materials["skin"].alphaMode == "OPAQUE"
 
 
 def test_what_is_folded_up_is_left_out(head: Head) -> None:
     hidden = replace(head.parts[-1], vertices=0 * head.parts[-1].vertices)
-    scene = make_scene(replace(head, parts=(*head.parts[:-1], hidden)))
+    scene = _make_scene(replace(head, parts=(*head.parts[:-1], hidden)))
     assert "lenses" not in scene.geometry
 
 
 def test_srgb_is_the_curve_of_iec_61966() -> None:
     grey = np.full((1, 1, 3), 0.2140, np.float32)
-    assert srgb_texture(grey)[0, 0].tolist() == [127, 127, 127]  # half of 255 by the standard
-    assert srgb_texture(grey * 0).max() == 0
+    assert _srgb_texture(grey)[0, 0].tolist() == [127, 127, 127]  # half of 255 by the standard
+    assert _srgb_texture(grey * 0).max() == 0
 
 
 def test_a_folder_that_is_a_file_is_refused(head: Head, tmp_path: Path) -> None:

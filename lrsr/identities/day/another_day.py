@@ -14,11 +14,11 @@ from numpy.random import Generator, SeedSequence
 
 from lrsr.configuration import as_number, as_whole, require
 
-CHANCES = ("hair", "stubble", "make_up", "glasses", "cap", "face_mask")
-SPANS = {"greyer": (0.0, 1.0), "tan": (-1.0, 1.0), "weight": (0.0, 0.6), "years": (0.0, 20.0)}
+_CHANCES = ("hair", "stubble", "make_up", "glasses", "cap", "face_mask")
+_SPANS = {"greyer": (0.0, 1.0), "tan": (-1.0, 1.0), "weight": (0.0, 0.6), "years": (0.0, 20.0)}
 """Lowest and highest that each may say."""
 
-_KINDS = (*CHANCES, *SPANS)
+_KINDS = (*_CHANCES, *_SPANS)
 """Append, never reorder: each has a random stream of its own."""
 _DAYS = 1000
 """Sets these streams apart from all others that start from the seed of a person."""
@@ -70,19 +70,19 @@ class AnotherDay:
         day = as_whole(self.day, "another_day.day")
         require(1 <= day <= _LATEST_DAY, "another_day.day", day, f"1 to {_LATEST_DAY}")
         object.__setattr__(self, "day", day)
-        for name in CHANCES:
+        for name in _CHANCES:
             chance = as_number(getattr(self, name), f"another_day.{name}")
             require(0 <= chance <= 1, f"another_day.{name}", f"{chance:g}", "0 to 1")
             object.__setattr__(self, name, chance)
-        for name, limits in SPANS.items():
+        for name, limits in _SPANS.items():
             span = _span(f"another_day.{name}", getattr(self, name), limits)
             object.__setattr__(self, name, span)
 
     @property
     def is_same(self) -> bool:
         """Does nothing change?"""
-        return not any(getattr(self, name) for name in CHANCES) and all(
-            getattr(self, name) == NOTHING for name in SPANS
+        return not any(getattr(self, name) for name in _CHANCES) and all(
+            getattr(self, name) == NOTHING for name in _SPANS
         )
 
     def record(self) -> dict[str, Any]:

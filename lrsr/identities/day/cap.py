@@ -23,7 +23,7 @@ from lrsr.identities.hair.anchors import (
 from lrsr.identities.head import Part
 from lrsr.identities.ramp import smoothstep
 
-COLOURS = {
+_COLOURS = {
     "black": (0.013, 0.013, 0.014),
     "navy": (0.012, 0.018, 0.05),
     "grey": (0.13, 0.13, 0.135),
@@ -46,7 +46,7 @@ _MM_PER_DEG = 1.6
 def sample_cap(rng: Generator) -> dict[str, Any]:
     """Draw a cap: its colour by name, and how low it is worn, mm above the usual."""
     return {
-        "colour": str(rng.choice(list(COLOURS))),
+        "colour": str(rng.choice(list(_COLOURS))),
         "lift_mm": float(rng.uniform(-4.0, 5.0)),
         "brim_deg": float(rng.uniform(2.0, 12.0)),
     }
@@ -133,7 +133,7 @@ def build_cap(cap: dict[str, Any], crown: Crown) -> Part:
         crown: Of the same cap, on the head.
     """
     mesh = join([_dome(crown), _brim(cap, crown)])
-    albedo = np.broadcast_to(np.asarray(COLOURS[cap["colour"]], np.float32), (4, 4, 3)).copy()
+    albedo = np.broadcast_to(np.asarray(_COLOURS[cap["colour"]], np.float32), (4, 4, 3)).copy()
     return Part(
         "cap",
         "cloth",

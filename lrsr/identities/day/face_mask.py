@@ -16,7 +16,7 @@ from lrsr.identities.day.mesh import Mesh, Points, join, sheet, tube
 from lrsr.identities.head import Part
 from lrsr.identities.ramp import smoothstep
 
-COLOURS = {
+_COLOURS = {
     "blue": (0.30, 0.52, 0.66),
     "white": (0.72, 0.73, 0.73),
     "black": (0.017, 0.017, 0.018),
@@ -33,7 +33,7 @@ _PLEATS = 3
 def sample_face_mask(rng: Generator) -> dict[str, Any]:
     """Draw a mask: its colour by name, and where it begins between pupils (0) and nose tip (1)."""
     return {
-        "colour": str(rng.choice(list(COLOURS), p=[0.5, 0.2, 0.22, 0.08])),
+        "colour": str(rng.choice(list(_COLOURS), p=[0.5, 0.2, 0.22, 0.08])),
         "top": float(rng.uniform(0.34, 0.52)),
     }
 
@@ -57,7 +57,7 @@ def build_face_mask(mask: dict[str, Any], fit: Fit, landmarks: Points) -> Part:
     radius = np.maximum(radius + _OFF_MM + pleats * inner, skin + _CLEAR_MM)
     cloth = _place(azimuth, height, radius)
     mesh = join([sheet(cloth), *_loops(cloth, fit)])
-    albedo = np.broadcast_to(np.asarray(COLOURS[mask["colour"]], np.float32), (4, 4, 3)).copy()
+    albedo = np.broadcast_to(np.asarray(_COLOURS[mask["colour"]], np.float32), (4, 4, 3)).copy()
     return Part(
         "face_mask",
         "cloth",

@@ -15,7 +15,7 @@ from lrsr.identities.day.fit import Fit
 from lrsr.identities.day.mesh import Mesh, Points, join, sheet, tube
 from lrsr.identities.head import Part
 
-SHAPES = {"round": (2.1, 0.92), "oval": (2.4, 0.74), "square": (3.6, 0.78), "narrow": (3.2, 0.6)}
+_SHAPES = {"round": (2.1, 0.92), "oval": (2.4, 0.74), "square": (3.6, 0.78), "narrow": (3.2, 0.6)}
 """Exponent of the superellipse, and height over width."""
 
 _COLOURS = {
@@ -52,7 +52,7 @@ def sample_glasses(rng: Generator, ipd_mm: float) -> dict[str, Any]:
     Returns:
         Plain numbers and names.
     """
-    shape = str(rng.choice(list(SHAPES)))
+    shape = str(rng.choice(list(_SHAPES)))
     made_of = str(rng.choice(list(_COLOURS)))
     width = (46.0 + 8.0 * rng.random()) * (ipd_mm / 63.0) ** 0.5
     return {
@@ -60,7 +60,7 @@ def sample_glasses(rng: Generator, ipd_mm: float) -> dict[str, Any]:
         "made_of": made_of,
         "colour": list(_COLOURS[made_of][int(rng.integers(len(_COLOURS[made_of])))]),
         "width_mm": float(width),
-        "height_mm": float(width * SHAPES[shape][1] * rng.uniform(0.95, 1.05)),
+        "height_mm": float(width * _SHAPES[shape][1] * rng.uniform(0.95, 1.05)),
         "half_mm": [half * float(rng.uniform(0.85, 1.2)) for half in _HALF_MM[made_of]],
     }
 
@@ -90,7 +90,7 @@ class _Front:
 
     def __init__(self, glasses: dict[str, Any], fit: Fit) -> None:
         self._fit, self._half = fit, glasses["half_mm"]
-        self._exponent = SHAPES[glasses["shape"]][0]
+        self._exponent = _SHAPES[glasses["shape"]][0]
         self._size = np.array([glasses["width_mm"], glasses["height_mm"]]) / 2
         pupil = float(np.abs(fit.pupils[:, 0]).mean())
         least = _BEFORE_CORNEA_MM + pupil**2 / (2 * _CURVE_MM)

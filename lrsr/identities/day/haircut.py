@@ -11,10 +11,9 @@ import numpy as np
 from lrsr.identities.face.resting import RestingFace
 from lrsr.identities.gate.plausibility import check_hair
 from lrsr.identities.hair.choice import sample_hair
-from lrsr.identities.hair.shell import lay_shell, strand_stream
 from lrsr.identities.hair.styles import AT_HAIRLINE_MM
 
-WAYS = ("cut", "grown", "parted")
+_WAYS = ("cut", "grown", "parted")
 
 _OF_THE_SCALP = (
     *("hairline_deg", "recession_deg", "peak_deg", "tilt_deg", "nape_deg"),
@@ -45,22 +44,19 @@ def restyle(
         rng: The only source of chance.
 
     Returns:
-        New numbers of the hair, and what was done: one of :data:`WAYS`, or "same" where
+        New numbers of the hair, and what was done: one of :data:`_WAYS`, or "same" where
         nothing else suits.
     """
     own, skin = person["hair"], face.skin.astype(np.float32)
-    first = int(rng.integers(len(WAYS)))
-    for way in (*WAYS[first:], *WAYS[:first]):
+    first = int(rng.integers(len(_WAYS)))
+    for way in (*_WAYS[first:], *_WAYS[:first]):
         for hair in _tries(person, way, rng):
-            stream = strand_stream(person["seed"])
-            shell = lay_shell(hair, skin, stream).vertices.astype(np.float32)
-            stands = hair["sunk_mm"] == 0.0
-            if check_hair(shell, skin, face.eyes.pupils, stands=stands).passed:
+            if not check_hair(hair, skin, person["seed"]):
                 return hair, way
     return dict(own), "same"
 
 
-def hair_length_mm(hair: Mapping[str, Any]) -> float:
+def _hair_length_mm(hair: Mapping[str, Any]) -> float:
     """Say how long hair is, roughly: hanging hair by where it ends, other by how it stands."""
     if hair["sunk_mm"] > 0:
         return 0.5
@@ -76,7 +72,7 @@ def _tries(person: Mapping[str, Any], way: str, rng: np.random.Generator) -> Any
         if own["parting_length"] > 0 and abs(own["parting_deg"]) > 4.0:
             yield _mirrored(own)
         return
-    before = hair_length_mm(own)
+    before = _hair_length_mm(own)
     for _ in range(_TRIES):
         drawn = sample_hair(
             rng,
@@ -85,7 +81,7 @@ def _tries(person: Mapping[str, Any], way: str, rng: np.random.Generator) -> Any
             person["ancestry"],
             person["appearance"]["hair_colour"],
         )
-        after = hair_length_mm(drawn)
+        after = _hair_length_mm(drawn)
         fits = after < _CUT * before if way == "cut" else _GROWN * before < after < 8 * before + 60
         if fits and _suits(drawn["style"], own):
             yield drawn | {name: own[name] for name in _OF_THE_SCALP if name in own}

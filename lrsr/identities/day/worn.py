@@ -18,9 +18,6 @@ from lrsr.identities.day.fit import Fit
 from lrsr.identities.day.glasses import build_glasses, sample_glasses
 from lrsr.identities.head import Part
 
-WORN = ("glasses", "lenses", "cap", "face_mask")
-"""Names of the parts."""
-
 
 def dress(
     parts: Sequence[Part],

@@ -22,7 +22,7 @@ _LEFT_OUT = ("eyeLook", "tongueOut")
 
 
 @lru_cache(maxsize=1)
-def known_units() -> Mapping[str, tuple[str, ...]]:
+def _known_units() -> Mapping[str, tuple[str, ...]]:
     """Name every face unit, one-sided or not, and the fields "unit/..." that it stands for."""
     names = [name.removeprefix("unit/") for name in load_basis().names if name.startswith("unit/")]
     known = {name: (name,) for name in names if not name.startswith(_LEFT_OUT)}
@@ -59,7 +59,7 @@ class Expression:
     strength: InitVar[float] = 1.0
 
     def __post_init__(self, strength: float) -> None:
-        known = known_units() if self.units else {}  # it reads the shape space
+        known = _known_units() if self.units else {}  # it reads the shape space
         share = _strength("strength", strength)
         strengths: dict[str, float] = {}
         for unit, given in self.units.items():

@@ -20,7 +20,7 @@ _CORNEA_ANGLE_RAD = 0.42
 _CORNEA_RISE = 0.06
 """Height of the cornea's apex over the sphere, in radii: with the angle above its radius of
 curvature is 0.47 of the eyeball's, 7.8 mm for 16.6 mm, the mean cornea (Gullstrand)."""
-RINGS, _SEGMENTS = 24, 48
+_RINGS, _SEGMENTS = 24, 48
 _CORNEAL_RINGS = 12
 
 
@@ -54,7 +54,7 @@ class Eyes(NamedTuple):
         """
         length = np.maximum(np.linalg.norm(offset, axis=1), 1e-9)
         angle = np.arccos(np.clip(offset @ self.gazes[which] / length, -1, 1))
-        return np.asarray(self.radii[which] * (1 + cornea_rise(angle)))
+        return np.asarray(self.radii[which] * (1 + _cornea_rise(angle)))
 
     def moved(self, rotation: ArrayLike, origin: ArrayLike) -> "Eyes":
         """Return the eyes in another frame: ``rotation @ (point - origin)``."""
@@ -83,7 +83,7 @@ def find_eyes(basis: Basis, head: BaseHead) -> Eyes:
     return Eyes(centres, radii, gazes / np.linalg.norm(gazes, axis=1, keepdims=True))
 
 
-def cornea_rise(angle: NDArray[Any]) -> NDArray[Any]:
+def _cornea_rise(angle: NDArray[Any]) -> NDArray[Any]:
     """Height of the eye's surface over the sphere.
 
     Args:
@@ -93,7 +93,7 @@ def cornea_rise(angle: NDArray[Any]) -> NDArray[Any]:
         Same shape, in radii of the sphere: :data:`_CORNEA_RISE` on the axis, 0 beyond the cornea.
 
     Example:
-        >>> cornea_rise(np.array([0.0, 0.42, 1.0]))
+        >>> _cornea_rise(np.array([0.0, 0.42, 1.0]))
         array([0.06, 0.  , 0.  ])
     """
     inside = np.clip(1 - (angle / _CORNEA_ANGLE_RAD) ** 2, 0, 1)
@@ -119,7 +119,7 @@ class _Ball(NamedTuple):
 def unit_ball() -> _Ball:
     """Return the mesh that every eyeball is a copy of."""
     cornea = np.linspace(0.0, _CORNEA_ANGLE_RAD, _CORNEAL_RINGS + 1)[1:]
-    white = np.linspace(_CORNEA_ANGLE_RAD, np.pi / 2, RINGS - _CORNEAL_RINGS + 1)[1:]
+    white = np.linspace(_CORNEA_ANGLE_RAD, np.pi / 2, _RINGS - _CORNEAL_RINGS + 1)[1:]
     polar, azimuth = np.meshgrid(
         np.concatenate([cornea, white]),
         np.linspace(0.0, 2 * np.pi, _SEGMENTS, endpoint=False),
@@ -127,9 +127,9 @@ def unit_ball() -> _Ball:
     )
     across = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     points = np.concatenate([np.sin(polar)[..., None] * across, np.cos(polar)[..., None]], axis=-1)
-    points *= 1 + cornea_rise(polar)[..., None]
+    points *= 1 + _cornea_rise(polar)[..., None]
     uv = 0.5 + (polar / np.pi)[..., None] * across * [1.0, -1.0]
-    index = 1 + np.arange(RINGS * _SEGMENTS).reshape(RINGS, _SEGMENTS)
+    index = 1 + np.arange(_RINGS * _SEGMENTS).reshape(_RINGS, _SEGMENTS)
     after = np.roll(index, -1, axis=1)
     cap = np.stack([np.zeros(_SEGMENTS, int), index[0], after[0]], axis=-1)
     quads = np.stack([index[:-1], index[1:], after[1:], after[:-1]], axis=-1).reshape(-1, 4)

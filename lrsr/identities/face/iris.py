@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from lrsr.identities.ramp import smoothstep
 
-EDGE_ANGLE_RAD = 0.5 * np.pi
+_EDGE_ANGLE_RAD = 0.5 * np.pi
 """Angle from the optical axis at the edge of the texture's inscribed circle.
 
 The texture is an azimuthal equidistant picture of the eyeball seen from in front: its centre is
 the optical axis, and the distance from it grows in proportion to the angle.
 """
 
-IRIS_COLOURS: dict[str, tuple[float, float, float]] = {
+_IRIS_COLOURS: dict[str, tuple[float, float, float]] = {
     "black": (0.022, 0.012, 0.007),
     "dark brown": (0.045, 0.021, 0.010),
     "brown": (0.095, 0.046, 0.019),
@@ -99,7 +99,7 @@ def paint_eye(
         ``(S, S, 3)`` float32 linear reflectance, [0, 1], laid out as ``EDGE_ANGLE_RAD`` says.
     """
     angle, azimuth = _polar(texture_size)
-    pixel = 2 * EDGE_ANGLE_RAD / texture_size
+    pixel = 2 * _EDGE_ANGLE_RAD / texture_size
     radius = angle / np.float32(iris["half_angle_rad"])
     soft = pixel / iris["half_angle_rad"]
     colour = _paint_sclera(iris, angle, azimuth, rng)
@@ -115,7 +115,7 @@ def paint_eye(
 def _polar(size: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     centred = (np.arange(size, dtype=np.float32) + 0.5) / size * 2 - 1
     x, y = np.meshgrid(centred, -centred)
-    return np.hypot(x, y) * np.float32(EDGE_ANGLE_RAD), np.arctan2(y, x)
+    return np.hypot(x, y) * np.float32(_EDGE_ANGLE_RAD), np.arctan2(y, x)
 
 
 def _paint_sclera(
@@ -142,7 +142,7 @@ def _draw_veins(size: int, redness: float, rng: Generator) -> NDArray[np.uint8]:
     steps = np.linspace(1.25, rng.uniform(0.5, 0.8, count), 9).T
     wander = np.cumsum(rng.normal(0.0, 0.05, (count, 9)), axis=1)
     turn = start[:, None] + wander
-    radius = steps / EDGE_ANGLE_RAD * size / 2
+    radius = steps / _EDGE_ANGLE_RAD * size / 2
     points = np.stack([size / 2 + radius * np.cos(turn), size / 2 - radius * np.sin(turn)], axis=-1)
     lines = list(np.round(points * 16).astype(np.int32))
     cv2.polylines(sheet, lines, False, 150, 1, cv2.LINE_AA, shift=4)
@@ -152,7 +152,7 @@ def _draw_veins(size: int, redness: float, rng: Generator) -> NDArray[np.uint8]:
 def _paint_iris(
     iris: Iris, radius: NDArray[np.float32], azimuth: NDArray[np.float32], rng: Generator
 ) -> NDArray[np.float32]:
-    middle = np.array(IRIS_COLOURS[iris["colour"]], dtype=np.float32) * iris["brightness"]
+    middle = np.array(_IRIS_COLOURS[iris["colour"]], dtype=np.float32) * iris["brightness"]
     middle *= np.array([1 + iris["warmth"], 1.0, 1 - iris["warmth"]], dtype=np.float32)
     fibres = _fibres(radius, azimuth, rng)
     value = 1.0 + iris["fibre"] * fibres
@@ -186,7 +186,7 @@ def _close_lids(
 ) -> NDArray[np.float32]:
     """Shade the eye below its lids; distances in radians, 0.06 are a millimetre."""
     centred = (np.arange(colour.shape[0], dtype=np.float32) + 0.5) / colour.shape[0] * 2 - 1
-    x, y = centred * EDGE_ANGLE_RAD, -centred[:, None] * np.float32(EDGE_ANGLE_RAD)
+    x, y = centred * _EDGE_ANGLE_RAD, -centred[:, None] * np.float32(_EDGE_ANGLE_RAD)
     inner, outer = float(margins[:, 0, 0].mean()), float(margins[:, -1, 0].mean())
     upper, lower = (
         np.interp(x, *margin[np.argsort(margin[:, 0])].T).astype(np.float32) for margin in margins

@@ -10,7 +10,7 @@ from lrsr.identities.face.eyes import Eyes
 
 Points = NDArray[np.float64]
 
-COUNTS = (64, 40)
+_COUNTS = (64, 40)
 """Hairs on an upper and on a lower lid."""
 _PER_LASH = 5  # two corners at the root, two at the bend, the tip
 _ROOT_MM = 0.25  # how far before the eyeball the skin carries them
@@ -47,7 +47,7 @@ def sample_lashes(rng: Generator, *, masculinity: float) -> Lashes:
 
 def lash_faces() -> NDArray[np.int32]:
     """Return the triangles of all lashes: ``(F, 3)`` int32, the same for everyone."""
-    first = _PER_LASH * np.arange(2 * sum(COUNTS))[:, None, None]
+    first = _PER_LASH * np.arange(2 * sum(_COUNTS))[:, None, None]
     hair = np.array([[0, 1, 3], [0, 3, 2], [2, 3, 4]])
     return np.asarray((first + hair).reshape(-1, 3), dtype=np.int32)
 
@@ -68,7 +68,7 @@ def place_lashes(
     """
     corners = []
     for which in (0, 1):
-        for lid, count in enumerate(COUNTS):
+        for lid, count in enumerate(_COUNTS):
             share = 1.0 if lid == 0 else lashes["lower"]
             hairs = _place_row(
                 margins[which, lid], eyes.centres[which], count, 1 - 2 * lid, share, lashes, rng

@@ -14,7 +14,7 @@ _CLEARANCE = 1.03
 """Skin of the lids stays outside this many radii of the eyeball."""
 _REACH = 1.5
 """Skin farther than this many radii from the eye is no lid."""
-MARGIN_POINTS = 32
+_MARGIN_POINTS = 32
 """Points along the margin of each lid."""
 
 BLINKS = ("eyeBlinkRight", "eyeBlinkLeft")
@@ -99,7 +99,7 @@ def lid_margins(points: Points, eyes: Eyes, lids: Lids) -> Points:
         ``(2, 2, MARGIN_POINTS, 3)``, mm: per eye the upper and the lower lid, from the inner
         corner to the outer, evenly spaced.
     """
-    margins = np.zeros((2, 2, MARGIN_POINTS, 3))
+    margins = np.zeros((2, 2, _MARGIN_POINTS, 3))
     for which in (0, 1):
         for lid in (0, 1):
             margins[which, lid] = _even(_margin(points, eyes, lids, which, lid))
@@ -121,7 +121,7 @@ def _even(line: Points) -> Points:
     groups = np.array_split(line, max(4, len(line) // 4))
     knots = np.array([line[0], *(group.mean(axis=0) for group in groups), line[-1]])
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
-    wanted = np.linspace(0.0, along[-1], MARGIN_POINTS)
+    wanted = np.linspace(0.0, along[-1], _MARGIN_POINTS)
     return np.stack([np.interp(wanted, along, knots[:, k]) for k in range(3)], axis=-1)
 
 
@@ -153,7 +153,7 @@ def clear_lids(points: Points, eyes: Eyes, lids: Lids) -> Points:
     return moved
 
 
-def lid_heights(basis: Basis, weights: Points, lids: Lids) -> Points:
+def _lid_heights(basis: Basis, weights: Points, lids: Lids) -> Points:
     """Measure how high each upper lid stands over its pupil.
 
     Args:
@@ -198,7 +198,7 @@ def closing_strengths(basis: Basis, weights: Points, lids: Lids) -> Points:
         closed[blink_columns(basis)] = strength
         margins = lid_margins(*_shaped(basis, closed, lids), lids)
         apart = margins[:, 0, :, 1] - margins[:, 1, :, 1]
-        gaps.append(apart[:, MARGIN_POINTS // 3 : -(MARGIN_POINTS // 3)].max(axis=1))
+        gaps.append(apart[:, _MARGIN_POINTS // 3 : -(_MARGIN_POINTS // 3)].max(axis=1))
     travel = np.maximum(gaps[0] - gaps[1], 1.0) / 0.2
     return np.asarray(1.0 + np.clip((gaps[0] + _OVERLAP_MM) / travel, 0.0, 1.0))
 
@@ -224,8 +224,8 @@ def rest_lids(basis: Basis, weights: Points, lids: Lids) -> Points:
     units = blink_columns(basis)
     closed = weights.copy()
     closed[units] += 0.2
-    heights = lid_heights(basis, weights, lids)
-    travel = (heights - lid_heights(basis, closed, lids)) / 0.2
+    heights = _lid_heights(basis, weights, lids)
+    travel = (heights - _lid_heights(basis, closed, lids)) / 0.2
     low, high = _RANGE_MM
     middle, half = (low + high) / 2, (high - low) / 2
     offset = heights - middle

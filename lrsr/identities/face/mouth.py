@@ -36,10 +36,10 @@ _BEHIND_LIPS_MM = 3.0
 """Least depth of front teeth behind the skin before them: lips that recede take them along."""
 _NEAR_MM = 3.5
 """How far aside skin counts as before a tooth: about the mesh's width at the lips."""
-MUCOSA = (0.33, 0.105, 0.10)
+_MUCOSA = (0.33, 0.105, 0.10)
 """Reflectance of the inside of lips and cheeks: blood under a wet skin without pigment
 (estimated from photographs)."""
-THROAT = (0.12, 0.026, 0.026)
+_THROAT = (0.12, 0.026, 0.026)
 
 _JAW_OPEN = np.array([[0.0, 0.0, 0.0], [0.0, -0.092, 0.368], [0.0, -0.373, -0.088]])
 _JAW_OPEN_AT_ORIGIN = np.array([0.0, -33.019, 13.568])
@@ -127,7 +127,7 @@ class _Lining(NamedTuple):
     def paint(self, albedo: NDArray[np.float32]) -> None:
         """Cover the inside of the mouth in a skin's albedo ``(H, W, 3)``, in place."""
         part = albedo[self.box]
-        for share, colour in ((self.inside, MUCOSA), (self.deep, THROAT)):
+        for share, colour in ((self.inside, _MUCOSA), (self.deep, _THROAT)):
             part += share * (np.asarray(colour, np.float32) - part)
 
 

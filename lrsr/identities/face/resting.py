@@ -54,7 +54,7 @@ def rest_face(weights: Points) -> RestingFace:
     weights = rest_lids(basis, weights, template().lids)
     shaped = basis.shape(weights)
     eyes = find_eyes(basis, shaped)
-    rotation, origin = head_frame(eyes)
+    rotation, origin = _head_frame(eyes)
     shape = _moved(shaped, rotation, origin)
     eyes = eyes.moved(rotation, origin)
     return RestingFace(weights, shape, eyes, _skin(shape, eyes), rotation, origin)
@@ -81,7 +81,7 @@ def act(face: RestingFace, expression: Expression) -> tuple[Points, Points]:
     return acting, _skin(_moved(basis.shape(acting), face.rotation, face.origin), face.eyes)
 
 
-def head_frame(eyes: Eyes) -> tuple[Points, Points]:
+def _head_frame(eyes: Eyes) -> tuple[Points, Points]:
     """Return rotation and origin that put the pupils on the x axis, their middle at the origin."""
     left, right = eyes.pupils
     x = (right - left) / np.linalg.norm(right - left)

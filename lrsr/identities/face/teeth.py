@@ -15,8 +15,8 @@ from lrsr.identities.ramp import smoothstep
 
 Points = NDArray[np.float64]
 
-UPPER_WIDTHS_MM = (8.5, 6.6, 7.6, 7.1, 6.7, 10.2)
-LOWER_WIDTHS_MM = (5.3, 5.8, 6.9, 7.0, 7.1, 10.9)
+_UPPER_WIDTHS_MM = (8.5, 6.6, 7.6, 7.1, 6.7, 10.2)
+_LOWER_WIDTHS_MM = (5.3, 5.8, 6.9, 7.0, 7.1, 10.9)
 """Of one side, from the middle to the first molar."""
 _UPPER_CROWNS_MM = (9.8, 8.6, 9.5, 8.2, 7.6, 7.0)
 _LOWER_CROWNS_MM = (8.4, 8.6, 9.6, 8.2, 7.6, 7.0)
@@ -27,7 +27,7 @@ _UPPER_ARCH = (-75.2, 4.6, 29.5, 42.0)
 _LOWER_ARCH = (-73.8, 1.9, 27.5, 40.0)
 """Height of the cutting edge, depth of the front, half width and length of the ellipse, mm."""
 
-COLUMNS = (0.0, 0.07, 0.3, 0.7, 0.93, 1.0)
+_COLUMNS = (0.0, 0.07, 0.3, 0.7, 0.93, 1.0)
 """Where a tooth has vertices across its width."""
 _RECESS_MM = (1.3, 0.45, 0.0, 0.0, 0.45, 1.3)
 """How far it stands back there, how much its edge and, towards it, its gum is rounded."""
@@ -84,7 +84,7 @@ def _tooth(
 ) -> tuple[Points, Points]:
     """Make one tooth with its gum: ``(7, 6, 3)`` points from gum to back, and their uv."""
     height, front, half_width, length = arch
-    columns, recess = np.array(COLUMNS), np.array(_RECESS_MM)
+    columns, recess = np.array(_COLUMNS), np.array(_RECESS_MM)
     middle, normal = _along_arch(span[0] + (span[1] - span[0]) * columns, half_width, length)
     cut = height + up * (edge + np.array(_EDGE_ROUNDING_MM))
     neck = height + up * (edge + crown + np.array(_SCALLOP_MM))
@@ -125,8 +125,8 @@ def build_jaws() -> Jaws:
     """Return everybody's teeth, gums and tongue; later calls are free."""
     pieces: list[tuple[Points, Points, bool]] = []  # points, uv, whether the jaw carries them
     for below, arch, widths, crowns, edges in (
-        (False, _UPPER_ARCH, UPPER_WIDTHS_MM, _UPPER_CROWNS_MM, _UPPER_EDGES_MM),
-        (True, _LOWER_ARCH, LOWER_WIDTHS_MM, _LOWER_CROWNS_MM, _LOWER_EDGES_MM),
+        (False, _UPPER_ARCH, _UPPER_WIDTHS_MM, _UPPER_CROWNS_MM, _UPPER_EDGES_MM),
+        (True, _LOWER_ARCH, _LOWER_WIDTHS_MM, _LOWER_CROWNS_MM, _LOWER_EDGES_MM),
     ):
         up = -1.0 if below else 1.0
         ends = np.concatenate([[0.0], np.cumsum(widths)])

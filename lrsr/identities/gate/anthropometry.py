@@ -13,8 +13,7 @@ both sexes, the latter widened to cover European, Asian and African groups toget
   facial metrics", Evol. Hum. Behav. 33 (2012) 273-279 (cheekbone prominence 1.1 to 1.3);
 * ears grow 0.22 mm a year: Heathcote, BMJ 311 (1995) 1668;
 * faces are a little crooked: Padwa et al., J. Oral Maxillofac. Surg. 55 (1997) 811-816, find 4
-  degrees the cant that nine observers of ten notice; Haraguchi et al., Angle Orthod. 72 (2002)
-  28-35, call chins 4 mm off the midline asymmetric.
+  degrees the cant that nine observers of ten notice.
 
 Single measures say whether one feature is out of range, *sigma z* (the standard deviation of all z
 scores of a face) whether features that are each possible belong to different faces: Garn et al.,
@@ -36,7 +35,7 @@ from lrsr.identities.shape.basis import load_basis
 Points = NDArray[np.float64]
 Sex = Literal["female", "male"]
 
-LIMIT_SD = 3.25
+_LIMIT_SD = 3.25
 """One adult in 870 is farther from the mean in a single proportion, one in fifty in any of them."""
 SIGMA_Z_LIMIT = 1.5
 """Faces of all ethnic groups judged by wide norms: half way from the healthy to the malformed."""
@@ -66,7 +65,7 @@ _SIDES = {
 }
 """Points on the template, mm: in the middle, and on the subject's left with their mirror images."""
 
-LENGTHS: dict[str, tuple[str, str]] = {
+_LENGTHS: dict[str, tuple[str, str]] = {
     "face height": ("nasion", "gnathion"),
     "lower face height": ("subnasale", "gnathion"),
     "chin height": ("stomion", "gnathion"),
@@ -87,7 +86,7 @@ LENGTHS: dict[str, tuple[str, str]] = {
     "left ear length": ("left superaurale", "left subaurale"),
     "right ear length": ("right superaurale", "right subaurale"),
 }
-_UPRIGHT = list(LENGTHS).index("skull height")
+_UPRIGHT = list(_LENGTHS).index("skull height")
 """The length that is taken along the vertical alone."""
 
 
@@ -174,35 +173,33 @@ def measure_lengths(skin: Points, ipd_mm: float) -> dict[str, float]:
         ipd_mm: Distance of its pupils.
 
     Returns:
-        :data:`LENGTHS` and the "interpupillary distance", mm.
+        :data:`_LENGTHS` and the "interpupillary distance", mm.
     """
     vertex = _landmark_vertices()
-    ends = np.array([[vertex[a], vertex[b]] for a, b in LENGTHS.values()])
+    ends = np.array([[vertex[a], vertex[b]] for a, b in _LENGTHS.values()])
     between = skin[ends[:, 0]] - skin[ends[:, 1]]
     between[_UPRIGHT] *= (0.0, 1.0, 0.0)
     lengths = np.linalg.norm(between, axis=1)
-    return dict(zip(LENGTHS, lengths.tolist(), strict=True)) | {_PUPILS: ipd_mm}
+    return dict(zip(_LENGTHS, lengths.tolist(), strict=True)) | {_PUPILS: ipd_mm}
 
 
 def measure_crookedness(skin: Points) -> dict[str, float]:
-    """Measure how unlike the two halves of a face are.
+    """Measure how crooked a mouth is.
 
     Args:
         skin: ``(V, 3)`` render vertices, head frame (the pupils lie on a horizontal), mm.
 
     Returns:
-        The cant of the line between the corners of the mouth, and how far aside from the nasion
-        the middle of the mouth, the tip of the nose and the chin lie.
+        The cant of the line between its corners, and how far aside from the nasion their middle
+        lies.
     """
-    point = {name: skin[vertex] for name, vertex in _landmark_vertices().items()}
-    left, right = point["left cheilion"], point["right cheilion"]
+    vertex = _landmark_vertices()
+    left, right = skin[vertex["left cheilion"]], skin[vertex["right cheilion"]]
     x, y, _ = left - right
-    middle = float(point["nasion"][0])
+    aside = float(left[0] + right[0]) / 2 - float(skin[vertex["nasion"], 0])
     return {
         "crooked: cant of the mouth, degrees": abs(math.degrees(math.atan2(y, x))),
-        "crooked: mouth off the middle, mm": abs(float(left[0] + right[0]) / 2 - middle),
-        "crooked: nose tip off the middle, mm": abs(float(point["pronasale"][0]) - middle),
-        "crooked: chin off the middle, mm": abs(float(point["gnathion"][0]) - middle),
+        "crooked: mouth off the middle, mm": abs(aside),
     }
 
 
@@ -224,7 +221,7 @@ def proportions(lengths: dict[str, float]) -> dict[str, float]:
         lengths: As :func:`measure_lengths` measures them, or published ones, mm.
 
     Example:
-        >>> lengths = dict.fromkeys(LENGTHS, 50.0) | {"interpupillary distance": 63.0}
+        >>> lengths = dict.fromkeys(_LENGTHS, 50.0) | {"interpupillary distance": 63.0}
         >>> proportions(lengths)["nasal index"]
         100.0
     """
@@ -246,7 +243,7 @@ def z_scores(measured: dict[str, float], sex: Sex) -> dict[str, float]:
 
 def limits(proportion: _Proportion, sex: Sex) -> tuple[float, float]:
     """Return the lowest and the highest value of a human being, as :func:`proportions` measures."""
-    middle, reach = proportion.mean(sex), LIMIT_SD * proportion.sd
+    middle, reach = proportion.mean(sex), _LIMIT_SD * proportion.sd
     return middle - reach, middle + reach
 
 

@@ -6,75 +6,51 @@ is. What came out depends on the seed alone.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Generic, NamedTuple, TypeVar
-
-from lrsr.identities.gate.plausibility import Plausibility
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-MOST_DRAWS = 48
-"""Of people of whom nine draws in ten fail, six in a thousand have no draw that passes; fewer, as
-later draws of a face are milder (:mod:`lrsr.identities.gate.mildness`)."""
-
-
-class Accepted(NamedTuple, Generic[T]):
-    """What a person got.
-
-    Attributes:
-        drawn: The first draw that passed or, if none did, the one that missed by least.
-        attempt: Its number.
-        failures: Names of the tests that each of the dismissed draws failed.
-        unresolved: Of those that the accepted one fails; none unless all draws failed.
-    """
-
-    drawn: T
-    attempt: int
-    failures: tuple[tuple[str, ...], ...]
-    unresolved: tuple[str, ...]
+_MOST_DRAWS = 1000
+"""Far more than anybody needs: three draws in four pass."""
 
 
 def draw_plausible(
-    draw: Callable[[int], T], judge: Callable[[T], Plausibility], *, most: int = MOST_DRAWS
-) -> Accepted[T]:
+    draw: Callable[[int], T], judge: Callable[[T], list[str]]
+) -> tuple[T, list[list[str]]]:
     """Draw until something passes.
 
     Args:
         draw: Gives the draw of a number 0, 1, 2, ...; always the same for the same number.
-        judge: Says whether one passes.
-        most: How many are drawn at most, >= 1.
+        judge: Names the tests that one fails.
+
+    Returns:
+        The first draw that fails none, and what each of those before failed.
+
+    Raises:
+        RuntimeError: Nothing passes.
     """
-    tried: list[tuple[T, Plausibility]] = []
-    for attempt in range(most):
+    failures: list[list[str]] = []
+    for attempt in range(_MOST_DRAWS):
         drawn = draw(attempt)
-        verdict = judge(drawn)
-        tried.append((drawn, verdict))
-        if verdict.passed:
-            break
-    else:
-        attempt = min(range(most), key=lambda number: tried[number][1].excess)
-    failures = [outcome.failures for k, (_, outcome) in enumerate(tried) if k != attempt]
-    drawn, verdict = tried[attempt]
-    return Accepted(drawn, attempt, tuple(failures), verdict.failures)
+        failed = judge(drawn)
+        if not failed:
+            return drawn, failures
+        failures.append(failed)
+    raise RuntimeError(f"none of {_MOST_DRAWS} draws passes; the last failed {failures[-1]}")
 
 
-def record(accepted: Sequence[Accepted[Any]]) -> dict[str, Any]:
-    """Say what a gate did, as plain values.
+def record(failures: list[list[str]]) -> dict[str, Any]:
+    """Say what the gate did to a person, as plain values.
 
     Args:
-        accepted: Of one person, whatever was drawn.
+        failures: What each draw that was dismissed failed, whatever was drawn.
 
     Returns:
         JSON-serialisable: ``redraws``, how many draws were dismissed; ``failures``, the names of
-        the tests that each of them failed; ``unresolved``, of those that what was kept fails,
-        because nothing passed (none, nearly always).
+        the tests that each of them failed.
     """
-    failures = [list(names) for one in accepted for names in one.failures]
-    return {
-        "redraws": len(failures),
-        "failures": failures,
-        "unresolved": [name for one in accepted for name in one.unresolved],
-    }
+    return {"redraws": len(failures), "failures": failures}
 
 
 def tally(records: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
@@ -86,7 +62,7 @@ def tally(records: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     Returns:
         JSON-serialisable: ``people``, all of them; ``redrawn``, those of whom something was drawn
         again; ``redraws``, how often in all; ``reasons``, how many people had a draw that failed
-        each test, most frequent first; ``unresolved``, those whose last draw fails, too.
+        each test, most frequent first.
     """
     records = list(records)
     reasons = Counter(
@@ -97,5 +73,4 @@ def tally(records: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
         "redrawn": sum(one["redraws"] > 0 for one in records),
         "redraws": sum(one["redraws"] for one in records),
         "reasons": dict(reasons.most_common()),
-        "unresolved": sum(bool(one["unresolved"]) for one in records),
     }

@@ -14,7 +14,7 @@ _CELL_MM = 1.5
 _LIPS_X_MM = 24.0
 
 
-def edges_cross(one: Points, other: Points) -> NDArray[np.bool_]:
+def _edges_cross(one: Points, other: Points) -> NDArray[np.bool_]:
     """Tell which triangles have an edge that passes through another triangle.
 
     Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), for the three
@@ -46,7 +46,7 @@ def edges_cross(one: Points, other: Points) -> NDArray[np.bool_]:
     return crossing
 
 
-def crossing_pairs(
+def _crossing_pairs(
     vertices: Points, faces: Faces, usual: Points, *, reach_mm: float, apart_mm: float
 ) -> Faces:
     """Find pairs of triangles that cross and share no corner.
@@ -76,11 +76,11 @@ def crossing_pairs(
     shared = (faces[pairs[:, 0], :, None] == faces[pairs[:, 1], None, :]).any(axis=(1, 2))
     pairs = pairs[~shared]
     p, q = corners[pairs[:, 0]], corners[pairs[:, 1]]
-    return np.asarray(pairs[edges_cross(p, q) | edges_cross(q, p)], dtype=np.int64)
+    return np.asarray(pairs[_edges_cross(p, q) | _edges_cross(q, p)], dtype=np.int64)
 
 
 @lru_cache(maxsize=1)
-def nose_faces() -> tuple[Faces, Points]:
+def _nose_faces() -> tuple[Faces, Points]:
     """Return the coarse triangles around the nostrils and their centres on the template, mm."""
     head = coarse_head()
     x, y, z = head.folded()
@@ -96,8 +96,8 @@ def count_nose_crossings(skin: Points) -> int:
     Args:
         skin: ``(V, 3)`` render vertices, mm.
     """
-    faces, usual = nose_faces()
-    return len(crossing_pairs(skin, faces, usual, reach_mm=_REACH_MM, apart_mm=_APART_MM))
+    faces, usual = _nose_faces()
+    return len(_crossing_pairs(skin, faces, usual, reach_mm=_REACH_MM, apart_mm=_APART_MM))
 
 
 @lru_cache(maxsize=1)

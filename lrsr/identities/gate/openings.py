@@ -30,19 +30,15 @@ class _EyeOpening(NamedTuple):
         pupil_free: Whether the middle of the pupil is seen.
         height_mm: Greatest distance of the two lids.
         crossed_mm: How far the margin of the upper lid passes below that of the lower.
-        pierced_mm: How deep skin that covers the eyeball dips into it.
-        gap_mm: How far the line where lid and eye should meet stays off the eye.
     """
 
     iris_share: float
     pupil_free: bool
     height_mm: float
     crossed_mm: float
-    pierced_mm: float
-    gap_mm: float
 
 
-def covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
+def _covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
     """Tell which points are hidden from somebody far in front, at +z.
 
     Args:
@@ -54,7 +50,7 @@ def covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
 
     Example:
         >>> sheet = np.array([[[-1.0, -1.0, 1.0], [3.0, -1.0, 1.0], [-1.0, 3.0, 1.0]]])
-        >>> covered(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [9.0, 0.0, 0.0]]), sheet).tolist()
+        >>> _covered(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [9.0, 0.0, 0.0]]), sheet).tolist()
         [True, False, False]
     """
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
@@ -79,24 +75,15 @@ def measure_eyes(skin: Points, eyes: Eyes, iris_rad: float) -> tuple[_EyeOpening
         eyes: In the same axes.
         iris_rad: Half angle of the iris, seen from the eyeball's centre.
     """
-    lids = template().lids
-    margins = lid_margins(skin, eyes, lids)
     both = []
-    for which in (0, 1):
-        offset = skin[lids.vertices[which]] - eyes.centres[which]
-        above = np.linalg.norm(offset, axis=1) - eyes.surface_mm(which, offset)
-        over = (offset[:, 2] > 0.0) & (lids.distances[which] >= 1.0)
-        rim = _lid_rim(which)
-        upper, lower = margins[which]
-        hidden = covered(_iris_line(eyes, which, iris_rad), skin[_lid_faces(which)])
+    for which, (upper, lower) in enumerate(lid_margins(skin, eyes, template().lids)):
+        hidden = _covered(_iris_line(eyes, which, iris_rad), skin[_lid_faces(which)])
         both.append(
             _EyeOpening(
                 iris_share=float(1.0 - hidden.mean()),
                 pupil_free=not hidden[_STEPS // 2],
                 height_mm=float(np.linalg.norm(upper - lower, axis=1).max()),
                 crossed_mm=float(np.maximum(lower - upper, 0.0)[:, 1].max()),
-                pierced_mm=float(np.maximum(-above[over], 0.0).max(initial=0.0)),
-                gap_mm=float(np.maximum(above[rim], 0.0).max(initial=0.0)),
             )
         )
     return both[0], both[1]
@@ -108,14 +95,6 @@ def _iris_line(eyes: Eyes, which: int, iris_rad: float) -> Points:
     line = np.stack([np.zeros(_STEPS), np.sin(angle), np.cos(angle)], axis=1)
     turned = line @ rotation_to(eyes.gazes[which]).T
     return np.asarray(eyes.centres[which] + eyes.radii[which] * turned)
-
-
-@lru_cache(maxsize=2)
-def _lid_rim(which: int) -> NDArray[np.bool_]:
-    """Tell which vertices around an eye should lie on it: where the margins' edges dip in."""
-    lids = template().lids
-    inner = np.concatenate(lids.margins[which])[:, 0]
-    return np.asarray(np.isin(lids.vertices[which], inner) & (lids.distances[which] < 0.985))
 
 
 @lru_cache(maxsize=2)
@@ -187,5 +166,5 @@ def _seen_area_mm2(corners: Points, before: Points) -> float:
     facing = np.flatnonzero(across[:, 2] > 0.0)
     if not facing.size:
         return 0.0
-    hidden = covered(corners[facing].mean(axis=1), before)
+    hidden = _covered(corners[facing].mean(axis=1), before)
     return float(0.5 * across[facing[~hidden], 2].sum())

@@ -57,7 +57,7 @@ class Anchors:
         return points.reshape(AZIMUTHS, POLARS, 3)
 
 
-def chart_directions() -> _Floats:
+def _chart_directions() -> _Floats:
     """Return the rays of the chart, ``(AZIMUTHS, POLARS, 3)`` unit vectors."""
     azimuth = np.deg2rad(np.arange(AZIMUTHS) * 360.0 / AZIMUTHS)[:, None]
     polar = np.deg2rad(np.arange(POLARS) * POLAR_STEP_DEG)[None, :]
@@ -95,7 +95,7 @@ def build_anchors(
     is_ear = np.zeros(len(vertices), dtype=bool)
     is_ear[ear_vertices] = True
     skull = faces[~is_ear[faces].any(axis=1)]
-    rays = chart_directions().reshape(-1, 3)
+    rays = _chart_directions().reshape(-1, 3)
     triangle, weights = _outermost_hits(vertices, skull, rays)
     hit = (triangle >= 0).reshape(AZIMUTHS, POLARS)
     index = np.repeat(np.arange(len(rays)), 3)

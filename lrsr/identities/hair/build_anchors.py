@@ -29,7 +29,7 @@ _EAR_SLIDERS = (
 _HEAD_AND_SHOULDERS = 2
 
 
-def find_ears(basis: Basis) -> NDArray[np.int32]:
+def _find_ears(basis: Basis) -> NDArray[np.int32]:
     """Return the render vertices of the ears."""
     motion = np.zeros(basis.n_skin)
     for slider in _EAR_SLIDERS:
@@ -40,17 +40,17 @@ def find_ears(basis: Basis) -> NDArray[np.int32]:
     return np.flatnonzero(basis.surface.matrix @ motion > _EAR_MOTION_MM).astype(np.int32)
 
 
-def make_anchors() -> Anchors:
+def _make_anchors() -> Anchors:
     """Build the chart of the average adult."""
     basis = load_basis()
     surface = basis.surface
     faces = surface.faces[surface.region < _HEAD_AND_SHOULDERS]
-    return build_anchors(template().skin, faces, find_ears(basis))
+    return build_anchors(template().skin, faces, _find_ears(basis))
 
 
 def main() -> int:
     """Write the asset."""
-    write(anchor_arrays(make_anchors()), Path(PACKAGE) / "assets" / ASSET_NAME)
+    write(anchor_arrays(_make_anchors()), Path(PACKAGE) / "assets" / ASSET_NAME)
     return 0
 
 

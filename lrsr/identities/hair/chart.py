@@ -8,7 +8,7 @@ from lrsr.identities.hair.anchors import AZIMUTHS, POLAR_STEP_DEG
 
 _Floats = NDArray[np.float64]
 
-LEVELS_MM = np.arange(100.0, -284.0, -4.0)
+_LEVELS_MM = np.arange(100.0, -284.0, -4.0)
 """Heights of the tables of :func:`measure_skin` and :func:`measure_ears`."""
 
 _FIRST_POLAR = 14
@@ -27,7 +27,7 @@ def sample_chart(chart: _Floats, azimuth: _Floats, polar: _Floats) -> _Floats:
 
 def sample_level(table: _Floats, azimuth: _Floats, y: _Floats) -> _Floats:
     """Return values of a table ``(AZIMUTHS, levels)`` at any azimuths, degrees, and heights, mm."""
-    level = (LEVELS_MM[0] - y) / (LEVELS_MM[0] - LEVELS_MM[1])
+    level = (_LEVELS_MM[0] - y) / (_LEVELS_MM[0] - _LEVELS_MM[1])
     return _bilinear(table[..., None], azimuth * (AZIMUTHS / 360.0), level)[..., 0]
 
 
@@ -38,7 +38,7 @@ def measure_skin(chart: _Floats, centre: _Floats) -> _Floats:
     height = np.minimum.accumulate(below[..., 1], axis=1)
     ramp = np.arange(height.shape[1]) * 1e-6
     return np.stack(
-        [np.interp(LEVELS_MM, (height[a] - ramp)[::-1], radius[a][::-1]) for a in range(AZIMUTHS)]
+        [np.interp(_LEVELS_MM, (height[a] - ramp)[::-1], radius[a][::-1]) for a in range(AZIMUTHS)]
     )
 
 
@@ -47,9 +47,9 @@ def measure_ears(ears: NDArray[np.float32], centre: _Floats) -> _Floats:
     flat = ears[:, [0, 2]] - centre[[0, 2]]
     azimuth = np.rad2deg(np.arctan2(flat[:, 0], flat[:, 1])) % 360.0
     row = (azimuth * (AZIMUTHS / 360.0)).astype(np.intp) % AZIMUTHS
-    level = (LEVELS_MM[0] - ears[:, 1]) / (LEVELS_MM[0] - LEVELS_MM[1])
-    column = np.clip(level.astype(np.intp), 0, len(LEVELS_MM) - 1)
-    reach = np.zeros((AZIMUTHS, len(LEVELS_MM)))
+    level = (_LEVELS_MM[0] - ears[:, 1]) / (_LEVELS_MM[0] - _LEVELS_MM[1])
+    column = np.clip(level.astype(np.intp), 0, len(_LEVELS_MM) - 1)
+    reach = np.zeros((AZIMUTHS, len(_LEVELS_MM)))
     np.maximum.at(reach, (row, column), np.linalg.norm(flat, axis=1))
     grown = maximum_filter(reach, size=(5, 5), mode=("wrap", "nearest"))
     return np.asarray(gaussian_filter(grown, (1.2, 1.5), mode=("wrap", "nearest")))

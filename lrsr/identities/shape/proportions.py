@@ -24,7 +24,7 @@ from lrsr.identities.shape.basis import load_basis
 _Group = Literal["features", "outline"]
 """Features of the face seen from in front; outline of head and profile."""
 
-X, Y, Z = 0, 1, 2
+_X, _Y, _Z = 0, 1, 2
 _IN_COMMON = {"outline": 0.55, "features": 0.25}
 """Share of a measure's variance that it has in common with all others along its axis: breadths of
 head, cheekbones and jaws correlate by 0.5 to 0.65, features less (Farkas 1994)."""
@@ -37,7 +37,7 @@ _TOLERANCE = 0.03
 other would have to go to their ends for the last tenth of a millimetre."""
 
 
-class Measure(NamedTuple):
+class _Measure(NamedTuple):
     """The distance of two points of the template along one axis.
 
     Attributes:
@@ -59,8 +59,8 @@ class Measure(NamedTuple):
 
 def _across(
     name: str, x: float, y: float, z: float, sd_mm: float, of: _Group = "features"
-) -> Measure:
-    return Measure(name, X, (x, y, z), (-x, y, z), sd_mm, of)
+) -> _Measure:
+    return _Measure(name, _X, (x, y, z), (-x, y, z), sd_mm, of)
 
 
 _NASION = (0.0, 1.3, 8.3)
@@ -76,7 +76,7 @@ _VERTEX = (0.0, 115.0, -85.0)
 _LEFT_EAR = (-76.1, 23.4, -95.7), (-76.6, -51.8, -92.3)
 _RIGHT_EAR = (76.1, 23.4, -95.7), (76.6, -51.8, -92.3)
 
-MEASURES = (
+_MEASURES = (
     _across("width between cheekbones", 68.3, -19.2, -41.6, 5.0, "outline"),
     _across("width between jaw angles", 57.9, -80.4, -48.0, 5.5, "outline"),
     _across("width of the forehead", 60.0, 30.0, -30.0, 5.0, "outline"),
@@ -88,40 +88,40 @@ MEASURES = (
     _across("width of the mouth", 25.0, -73.0, 0.0, 3.5),
     _across("inner canthi", 18.0, -4.0, -6.0, 2.5),
     _across("outer canthi", 46.0, -2.0, -12.0, 3.8),
-    Measure("opening of the left lids", Y, (-32.0, 2.9, -2.0), (-32.0, -5.7, -2.0), 1.0),
-    Measure("opening of the right lids", Y, (32.0, 2.9, -2.0), (32.0, -5.7, -2.0), 1.0),
-    Measure("height of the brow", Y, (34.6, 17.3, 6.8), (32.0, 2.9, -2.0), 2.5),
-    Measure("height of the nose", Y, _NASION, _SUBNASALE, 3.2),
-    Measure("height of the lower face", Y, _SUBNASALE, _GNATHION, 4.2, "outline"),
-    Measure("height of the upper lip", Y, _SUBNASALE, _STOMION, 2.2),
-    Measure("red of the upper lip", Y, _UPPER_LIP, _STOMION, 1.6),
-    Measure("red of the lower lip", Y, _STOMION, _LOWER_LIP, 1.7),
-    Measure("height of the chin", Y, _STOMION, _GNATHION, 3.2, "outline"),
-    Measure("height of the skull", Y, _VERTEX, _NASION, 6.0, "outline"),
-    Measure("height of the left ear", Y, *_LEFT_EAR, 4.0, "outline"),
-    Measure("height of the right ear", Y, *_RIGHT_EAR, 4.0, "outline"),
-    Measure("protrusion of the nose", Z, _NOSE_TIP, _SUBNASALE, 1.9, "outline"),
-    Measure("depth of the bridge", Z, _NOSE_TIP, _NASION, 2.4, "outline"),
-    Measure("protrusion of the brow", Z, _GLABELLA, _NASION, 1.3, "outline"),
-    Measure("protrusion of the chin", Z, _POGONION, _SUBNASALE, 3.2, "outline"),
-    Measure("protrusion of the lips", Z, _UPPER_LIP, _SUBNASALE, 1.8),
-    Measure("lips to each other", Z, _UPPER_LIP, _LOWER_LIP, 1.8),
-    Measure("droop of the nose tip", Y, _NOSE_TIP, _SUBNASALE, 2.2),
-    Measure("left mouth corner", Y, (-25.0, -73.0, 0.0), _STOMION, 1.6),
-    Measure("right mouth corner", Y, (25.0, -73.0, 0.0), _STOMION, 1.6),
-    Measure("left cheek", Z, (-42.0, -45.0, -5.0), _SUBNASALE, 3.0, "outline"),
-    Measure("right cheek", Z, (42.0, -45.0, -5.0), _SUBNASALE, 3.0, "outline"),
-    Measure("crook of the nose", X, _NOSE_TIP, _NASION, 1.2),
-    Measure("crook of the jaw", X, _GNATHION, _NASION, 1.6, "outline"),
+    _Measure("opening of the left lids", _Y, (-32.0, 2.9, -2.0), (-32.0, -5.7, -2.0), 1.0),
+    _Measure("opening of the right lids", _Y, (32.0, 2.9, -2.0), (32.0, -5.7, -2.0), 1.0),
+    _Measure("height of the brow", _Y, (34.6, 17.3, 6.8), (32.0, 2.9, -2.0), 2.5),
+    _Measure("height of the nose", _Y, _NASION, _SUBNASALE, 3.2),
+    _Measure("height of the lower face", _Y, _SUBNASALE, _GNATHION, 4.2, "outline"),
+    _Measure("height of the upper lip", _Y, _SUBNASALE, _STOMION, 2.2),
+    _Measure("red of the upper lip", _Y, _UPPER_LIP, _STOMION, 1.6),
+    _Measure("red of the lower lip", _Y, _STOMION, _LOWER_LIP, 1.7),
+    _Measure("height of the chin", _Y, _STOMION, _GNATHION, 3.2, "outline"),
+    _Measure("height of the skull", _Y, _VERTEX, _NASION, 6.0, "outline"),
+    _Measure("height of the left ear", _Y, *_LEFT_EAR, 4.0, "outline"),
+    _Measure("height of the right ear", _Y, *_RIGHT_EAR, 4.0, "outline"),
+    _Measure("protrusion of the nose", _Z, _NOSE_TIP, _SUBNASALE, 1.9, "outline"),
+    _Measure("depth of the bridge", _Z, _NOSE_TIP, _NASION, 2.4, "outline"),
+    _Measure("protrusion of the brow", _Z, _GLABELLA, _NASION, 1.3, "outline"),
+    _Measure("protrusion of the chin", _Z, _POGONION, _SUBNASALE, 3.2, "outline"),
+    _Measure("protrusion of the lips", _Z, _UPPER_LIP, _SUBNASALE, 1.8),
+    _Measure("lips to each other", _Z, _UPPER_LIP, _LOWER_LIP, 1.8),
+    _Measure("droop of the nose tip", _Y, _NOSE_TIP, _SUBNASALE, 2.2),
+    _Measure("left mouth corner", _Y, (-25.0, -73.0, 0.0), _STOMION, 1.6),
+    _Measure("right mouth corner", _Y, (25.0, -73.0, 0.0), _STOMION, 1.6),
+    _Measure("left cheek", _Z, (-42.0, -45.0, -5.0), _SUBNASALE, 3.0, "outline"),
+    _Measure("right cheek", _Z, (42.0, -45.0, -5.0), _SUBNASALE, 3.0, "outline"),
+    _Measure("crook of the nose", _X, _NOSE_TIP, _NASION, 1.2),
+    _Measure("crook of the jaw", _X, _GNATHION, _NASION, 1.6, "outline"),
 )
 
 
-_PLACE = {measure.name: k for k, measure in enumerate(MEASURES)}
+_PLACE = {measure.name: k for k, measure in enumerate(_MEASURES)}
 
 _SEALS = (
-    Measure("parting of the lips", Y, (0.0, -72.4, 13.3), (0.0, -73.7, 12.9), 0.25),
-    Measure("left parting of the lips", Y, (-11.1, -72.1, 11.5), (-11.6, -73.8, 10.8), 0.25),
-    Measure("right parting of the lips", Y, (11.1, -72.1, 11.5), (11.6, -73.8, 10.8), 0.25),
+    _Measure("parting of the lips", _Y, (0.0, -72.4, 13.3), (0.0, -73.7, 12.9), 0.25),
+    _Measure("left parting of the lips", _Y, (-11.1, -72.1, 11.5), (-11.6, -73.8, 10.8), 0.25),
+    _Measure("right parting of the lips", _Y, (11.1, -72.1, 11.5), (11.6, -73.8, 10.8), 0.25),
 )
 """What no two people differ in, whatever their sex, age and ancestry: lips at rest are closed."""
 _PRESSED_MM = 1.5
@@ -154,17 +154,17 @@ def load_gauge() -> Gauge:
     head = np.unique(basis.quads[basis.region == 0])
     skin = average.skin[head] - origin
 
-    def rows(measures: Sequence[Measure], end: str) -> list[int]:
+    def rows(measures: Sequence[_Measure], end: str) -> list[int]:
         points = [(measure.axis, np.array(getattr(measure, end))) for measure in measures]
         nearest = [head[np.linalg.norm(skin - point, axis=1).argmin()] for _, point in points]
         return [3 * int(vertex) + axis for vertex, (axis, _) in zip(nearest, points, strict=True)]
 
-    def effects(measures: Sequence[Measure]) -> NDArray[np.float64]:
+    def effects(measures: Sequence[_Measure]) -> NDArray[np.float64]:
         difference = basis.fields[rows(measures, "high")] - basis.fields[rows(measures, "low")]
         return np.asarray(difference.toarray())
 
     seals = effects(_SEALS)
-    return Gauge(effects(MEASURES), seals, seals @ basis.neutral - _PRESSED_MM)
+    return Gauge(effects(_MEASURES), seals, seals @ basis.neutral - _PRESSED_MM)
 
 
 def draw_measures(rng: Generator) -> NDArray[np.float64]:
@@ -173,11 +173,11 @@ def draw_measures(rng: Generator) -> NDArray[np.float64]:
     Both sides of a face get the same; :mod:`lrsr.identities.shape.anatomy` makes them differ.
 
     Returns:
-        ``(M,)``, mm, in the order of :data:`MEASURES`.
+        ``(M,)``, mm, in the order of :data:`_MEASURES`.
     """
     of_axis, own = rng.standard_normal(3), dict[str, float]()
-    drawn = np.zeros(len(MEASURES))
-    for k, measure in enumerate(MEASURES):
+    drawn = np.zeros(len(_MEASURES))
+    for k, measure in enumerate(_MEASURES):
         name = measure.name.replace("left ", "").replace("right ", "")
         name = _AS_WIDE_AS.get(name, name)
         if name not in own:
@@ -213,7 +213,7 @@ def fit_measures(
     Returns:
         ``(S,)`` new sliders; with them the lips close, too.
     """
-    sd = np.array([measure.sd_mm for measure in (*MEASURES, *_SEALS)])
+    sd = np.array([measure.sd_mm for measure in (*_MEASURES, *_SEALS)])
     effects = np.concatenate([gauge.effects, gauge.seals])
     without = usual.copy()
     without[columns] = 0.0

@@ -71,7 +71,7 @@ def _split_linearly(quads: Quads, n_vertices: int) -> _Subdivision:
     return _Subdivision(matrix, _new_quads(quads, side_edges, n_vertices, len(edges)))
 
 
-def split_smoothly(quads: Quads, n_vertices: int) -> _Subdivision:
+def _split_smoothly(quads: Quads, n_vertices: int) -> _Subdivision:
     """Build one round of Catmull-Clark.
 
     An open border follows the cubic B-spline of its own vertices (DeRose et al. 1998, eq. 1-2); a
@@ -130,7 +130,7 @@ def subdivide(quads: Quads, n_vertices: int, rounds: int, *, smooth: bool) -> _S
     Returns:
         The product matrix ``(V_new, n_vertices)`` and the final quads ``(F 4^rounds, 4)``.
     """
-    split = split_smoothly if smooth else _split_linearly
+    split = _split_smoothly if smooth else _split_linearly
     total = _Subdivision(sparse.identity(n_vertices, format="csr"), quads)
     for _ in range(rounds):
         step = split(total.quads, total.matrix.shape[0])

@@ -119,7 +119,7 @@ def _strip(
     return np.stack([walk[n - 1 - i], walk[n - 2 - i], walk[i + 1], walk[i]], axis=1)
 
 
-TILES = {
+_TILES = {
     "head": (0.0, 0.0, 1.0, 0.83),
     "shoulders": (0.0, 0.84, 0.8, 0.995),
     "left_socket": (0.81, 0.84, 0.9, 0.91),
@@ -183,7 +183,7 @@ def lay_out(
             edges = np.unique(np.sort(sides(quads), axis=1), axis=0)
             flat = np.stack([_equalise(base.uv[:, k], edges, points) for k in (1, 0)], axis=1)
         low, high = flat[used].min(axis=0), flat[used].max(axis=0)
-        left, top, right, bottom = TILES[name]
+        left, top, right, bottom = _TILES[name]
         margin = 0.004
         corner = np.array([left, top]) + margin
         size = np.array([right - left, bottom - top]) - 2 * margin

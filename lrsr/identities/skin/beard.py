@@ -15,7 +15,7 @@ from lrsr.identities.ramp import smoothstep
 from lrsr.identities.skin.canvas import Canvas, FloatMap, bend_strands
 
 _BeardKind = Literal["none", "stubble", "moustache", "goatee", "chin", "full"]
-BEARD_KINDS: tuple[_BeardKind, ...] = get_args(_BeardKind)
+_BEARD_KINDS: tuple[_BeardKind, ...] = get_args(_BeardKind)
 
 JAW = Canvas(left_mm=-135.0, top_mm=20.0, width_mm=270.0, height_mm=140.0, pixel_mm=0.3)
 """The unrolled jaw: arc lengths at ``_RADIUS_MM`` along azimuth and elevation."""
@@ -57,7 +57,7 @@ def sample_beard(rng: Generator, *, masculinity: float, asian: float, grey: floa
     """
     growth = float(np.clip((masculinity - 0.55) / 0.3, 0.0, 1.0)) * (1 - 0.45 * asian)
     kinds = np.array([0.40, 0.14, 0.12, 0.10, 0.06, 0.18 - 0.10 * asian])
-    kind = str(rng.choice(BEARD_KINDS, p=kinds / kinds.sum())) if masculinity >= 0.6 else "none"
+    kind = str(rng.choice(_BEARD_KINDS, p=kinds / kinds.sum())) if masculinity >= 0.6 else "none"
     long = float(np.exp(rng.normal(np.log(2.2), 0.5)))
     return {
         "kind": kind,  # type: ignore[typeddict-item] # choice() forgets which strings it was given
@@ -172,7 +172,7 @@ def shadow_mask(zones: dict[str, FloatMap]) -> FloatMap:
     return np.asarray(shown, dtype=np.float32)
 
 
-def beard_strands(beard: Beard, rng: Generator) -> NDArray[np.float64]:
+def _beard_strands(beard: Beard, rng: Generator) -> NDArray[np.float64]:
     """Lay hairs over the whole unrolled jaw; the mask decides later which of them show.
 
     They point down, at the sides a little forward, on the upper lip outwards.
@@ -218,7 +218,7 @@ def draw_beard(beard: Beard, rng: Generator) -> NDArray[np.uint8]:
         noise = cv2.GaussianBlur(rng.integers(0, 256, sheet.shape, dtype=np.uint8), (3, 3), 0.75)
         dots = cv2.subtract(noise, 146 - 26 * beard["density"])
         return np.asarray(cv2.convertScaleAbs(dots, alpha=3.6), dtype=np.uint8)
-    JAW.draw_strands(sheet, beard_strands(beard, rng), _HAIR_LEVELS)
+    JAW.draw_strands(sheet, _beard_strands(beard, rng), _HAIR_LEVELS)
     # What lies between the hairs: their shadow and those below, patchy as locks are.
     ground = cv2.GaussianBlur(sheet, (0, 0), 0.8 / JAW.pixel_mm)
     body = min(1.7, 0.6 + 0.3 * beard["length_mm"] * beard["density"])

@@ -74,7 +74,7 @@ def sample_brows(rng: Generator, *, masculinity: float) -> Brows:
     }
 
 
-def brow_line(brows: Brows, along: _FloatArray) -> _FloatArray:
+def _brow_line(brows: Brows, along: _FloatArray) -> _FloatArray:
     """Centre line of the brow on the subject's left (x > 0).
 
     Args:
@@ -99,7 +99,7 @@ def brow_line(brows: Brows, along: _FloatArray) -> _FloatArray:
     return np.stack([x, y], axis=-1)
 
 
-def brow_thickness(brows: Brows, along: _FloatArray) -> _FloatArray:
+def _brow_thickness(brows: Brows, along: _FloatArray) -> _FloatArray:
     """Vertical extent of the brow.
 
     Args:
@@ -114,7 +114,7 @@ def brow_thickness(brows: Brows, along: _FloatArray) -> _FloatArray:
     return np.asarray(brows["thickness_mm"] * np.maximum(tip * head, 0.10))
 
 
-def brow_strands(brows: Brows, rng: Generator) -> _FloatArray:
+def _brow_strands(brows: Brows, rng: Generator) -> _FloatArray:
     """Lay the hairs of one brow, on the subject's left.
 
     At the nose they stand up, towards the temple they lie along the line; the upper ones lean
@@ -137,10 +137,10 @@ def brow_strands(brows: Brows, rng: Generator) -> _FloatArray:
     # Hairs gather in tufts.
     across = np.clip(rng.normal(0.0, 0.3, count), -0.6, 0.6)
     along += 0.006 * np.sin(along * (55.0 + 7.0 * np.sin(9.0 * across)) + 4.0 * across)
-    thickness = brow_thickness(brows, along)
-    root = brow_line(brows, along)
+    thickness = _brow_thickness(brows, along)
+    root = _brow_line(brows, along)
     root[:, 1] += across * thickness
-    ahead = brow_line(brows, along + 0.01) - brow_line(brows, along)
+    ahead = _brow_line(brows, along + 0.01) - _brow_line(brows, along)
     direction = np.arctan2(ahead[:, 1], ahead[:, 0])
     upright = np.clip(1 - along / 0.30, 0, 1) ** 0.8
     lean = -0.70 * across / 0.6 + rng.normal(0.0, 0.18, count)
@@ -168,7 +168,7 @@ def lay_brows(brows: Brows, rng: Generator) -> _FloatArray:
     right = brows.copy()
     right["height_mm"] += brows["unevenness_mm"]
     right["arch_mm"] = max(0.0, brows["arch_mm"] + 0.6 * brows["unevenness_mm"])
-    strands = [brow_strands(brows, rng), brow_strands(right, rng) * (-1.0, 1.0)]
+    strands = [_brow_strands(brows, rng), _brow_strands(right, rng) * (-1.0, 1.0)]
     if brows["bridge"] > 0:
         strands.append(_bridge_strands(brows, rng))
     hairs = np.concatenate(strands)

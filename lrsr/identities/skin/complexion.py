@@ -7,7 +7,7 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 
 MELANIN_LIMITS = (0.003, 0.42)
-BLOOD_LIMITS = (0.008, 0.062)
+_BLOOD_LIMITS = (0.008, 0.062)
 """Volume fractions that people's means are kept within."""
 
 _MELANIN_MEANS = (0.24, 0.030, 0.0080)
@@ -62,7 +62,7 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
     flush = float(np.exp(rng.normal(0.0, 0.6)))
     return {
         "melanin": float(np.clip(melanin, *MELANIN_LIMITS)),
-        "blood": float(np.clip(blood, *BLOOD_LIMITS)),
+        "blood": float(np.clip(blood, *_BLOOD_LIMITS)),
         "melanin_mottle": float(rng.uniform(0.5, 2.0) * (1 + 0.8 * age)),
         "blood_mottle": float(rng.uniform(0.5, 2.3)),
         "cheeks": _soften(0.36 * flush * rng.uniform(0.3, 1.5)),

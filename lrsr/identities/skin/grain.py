@@ -1,6 +1,6 @@
 """How fine is the skin's own relief? Pores, creases and unevenness of a fraction of a millimetre.
 
-The structures are drawn once on periodic tiles (:func:`tiles`); every person shifts them elsewhere
+The structures are drawn once on periodic tiles (:func:`_tiles`); every person shifts them elsewhere
 and mixes them in other amounts. Amplitudes are of the order that profilometry finds on faces: 10 to
 50 µm root mean square, pores 0.1 mm deep and 0.2 to 0.5 mm wide, more and larger beside the nose.
 """
@@ -19,10 +19,10 @@ from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.layout import Layout, largest_box
 from lrsr.identities.skin.regions import blob
 
-TILE_TEXELS = 512
+_TILE_TEXELS = 512
 """Edge of a tile in texels of a texture of 1024, 0.3 to 0.4 mm each on the face."""
 
-FULL_TEXTURE = 1024
+_FULL_TEXTURE = 1024
 _TILE_SEED = 4711
 
 
@@ -38,7 +38,7 @@ class Grain(TypedDict):
     place_seed: int
 
 
-class Tiles(NamedTuple):
+class _Tiles(NamedTuple):
     """Periodic structures, each ``(size, size)`` float32.
 
     Attributes:
@@ -96,7 +96,7 @@ def sample_grain(rng: Generator, *, masculinity: float, age: float) -> Grain:
 
 
 @lru_cache(maxsize=4)
-def tiles(texture_size: int) -> Tiles:
+def _tiles(texture_size: int) -> _Tiles:
     """Draw the periodic structures for a texture of that size; later calls are free.
 
     Args:
@@ -105,13 +105,13 @@ def tiles(texture_size: int) -> Tiles:
     Returns:
         Read-only tiles of half its size.
     """
-    if texture_size != FULL_TEXTURE:
-        size = max(1, round(TILE_TEXELS * texture_size / FULL_TEXTURE))
-        full = tiles(FULL_TEXTURE)
-        drawn = Tiles(*(cv2.resize(t, (size, size), interpolation=cv2.INTER_AREA) for t in full))
+    if texture_size != _FULL_TEXTURE:
+        size = max(1, round(_TILE_TEXELS * texture_size / _FULL_TEXTURE))
+        full = _tiles(_FULL_TEXTURE)
+        drawn = _Tiles(*(cv2.resize(t, (size, size), interpolation=cv2.INTER_AREA) for t in full))
     else:
         rng = np.random.default_rng(_TILE_SEED)
-        drawn = Tiles(
+        drawn = _Tiles(
             _pores(rng, spacing=3.4, radius=0.75),
             _pores(rng, spacing=5.6, radius=1.25),
             _creases(rng, spacing=4.2),
@@ -167,7 +167,7 @@ class GrainPainter:
         rng = np.random.default_rng(grain["place_seed"])
         fine, coarse, creases, bumps, specks = (
             np.roll(tile, (rng.random(2) * tile.shape).astype(int), axis=(0, 1))
-            for tile in tiles(self._size)
+            for tile in _tiles(self._size)
         )
         share = np.float32(grain["pore_coarseness"])
         depth = (1 - share) * fine + (np.float32(0.4) + share) * coarse
@@ -215,20 +215,20 @@ def _blur(tile: FloatMap, sigma: float) -> FloatMap:
 
 
 def _noise(rng: Generator, sigma: float) -> FloatMap:
-    noise = _blur(rng.standard_normal((TILE_TEXELS, TILE_TEXELS), dtype=np.float32), sigma)
+    noise = _blur(rng.standard_normal((_TILE_TEXELS, _TILE_TEXELS), dtype=np.float32), sigma)
     return np.asarray((noise - noise.mean()) / noise.std(), dtype=np.float32)
 
 
 def _points(rng: Generator, spacing: float) -> NDArray[np.float64]:
     """A jittered grid: as even as pores are, without rows."""
-    count = round(TILE_TEXELS / spacing)
+    count = round(_TILE_TEXELS / spacing)
     grid = np.stack(np.meshgrid(np.arange(count), np.arange(count)), axis=-1).reshape(-1, 2)
-    return np.asarray((grid + rng.uniform(-0.2, 1.2, grid.shape)) * (TILE_TEXELS / count))
+    return np.asarray((grid + rng.uniform(-0.2, 1.2, grid.shape)) * (_TILE_TEXELS / count))
 
 
 def _pores(rng: Generator, *, spacing: float, radius: float) -> FloatMap:
-    places = np.floor(_points(rng, spacing)).astype(int) % TILE_TEXELS
-    sheet = np.zeros((TILE_TEXELS, TILE_TEXELS), dtype=np.float32)
+    places = np.floor(_points(rng, spacing)).astype(int) % _TILE_TEXELS
+    sheet = np.zeros((_TILE_TEXELS, _TILE_TEXELS), dtype=np.float32)
     sheet[places[:, 1], places[:, 0]] = rng.gamma(2.0, 0.5, len(places))
     sheet = _blur(sheet, radius)
     return np.asarray(-np.minimum(sheet * np.float32(2 * np.pi * radius**2 / 1.8), 1))
@@ -236,10 +236,10 @@ def _pores(rng: Generator, *, spacing: float, radius: float) -> FloatMap:
 
 def _creases(rng: Generator, spacing: float) -> FloatMap:
     """Skin's net of polygons: furrows run where two of a scatter of points are equally near."""
-    points = _points(rng, spacing) % TILE_TEXELS
-    tree = cKDTree(points, boxsize=TILE_TEXELS)
-    grid = np.stack(np.meshgrid(*(np.arange(TILE_TEXELS),) * 2), axis=-1).reshape(-1, 2)
+    points = _points(rng, spacing) % _TILE_TEXELS
+    tree = cKDTree(points, boxsize=_TILE_TEXELS)
+    grid = np.stack(np.meshgrid(*(np.arange(_TILE_TEXELS),) * 2), axis=-1).reshape(-1, 2)
     near, next_near = tree.query(grid.astype(np.float64), k=2)[0].T
-    plateau = np.minimum(next_near - near, 1.6).reshape(TILE_TEXELS, TILE_TEXELS)
+    plateau = np.minimum(next_near - near, 1.6).reshape(_TILE_TEXELS, _TILE_TEXELS)
     plateau = _blur(plateau.astype(np.float32), 0.5)
     return np.asarray((plateau - plateau.mean()) / plateau.std(), dtype=np.float32)

@@ -74,7 +74,7 @@ def sample_lines(rng: Generator, *, age: float, masculinity: float) -> Lines:
     }
 
 
-class Engraving:
+class _Engraving:
     """A sheet into which grooves are carved; their profile is a Gaussian and their ends run out.
 
     Grooves of one width are blurred together; where two of them cross, the later one counts.
@@ -130,7 +130,7 @@ def draw_lines(lines: Lines, canvas: Canvas) -> FloatMap:
         ``(H, W)`` float32, height in mm; grooves below, bags above 0.
     """
     rng = np.random.default_rng(lines["paths_seed"])
-    cuts = Engraving(canvas)
+    cuts = _Engraving(canvas)
     _draw_forehead(lines, rng, cuts)
     for side in (-1.0, 1.0):
         _draw_side(lines, rng, cuts, side)
@@ -140,7 +140,7 @@ def draw_lines(lines: Lines, canvas: Canvas) -> FloatMap:
     valley = cv2.GaussianBlur(sheet, (0, 0), _VALLEY_MM / canvas.pixel_mm)
     cv2.addWeighted(sheet, 0.75, valley, 0.6, 0.0, sheet)
     if lines["eye_bags"] > 0:
-        bags = Engraving(canvas)
+        bags = _Engraving(canvas)
         for side in (-1.0, 1.0):
             path = np.array([(20.0, -14.0), (27.0, -17.5), (34.0, -17.5), (41.0, -13.0)])
             bags.carve(path * (side, 1), -0.9 * lines["eye_bags"] * rng.uniform(0.9, 1.1), 2.6)
@@ -160,7 +160,7 @@ def _smoothing(points: int) -> NDArray[np.float64]:
     return path
 
 
-def _draw_forehead(lines: Lines, rng: Generator, cuts: Engraving) -> None:
+def _draw_forehead(lines: Lines, rng: Generator, cuts: _Engraving) -> None:
     heights = np.linspace(34.0, 62.0, lines["forehead_count"]) + rng.normal(0, 1.5)
     for height in heights:
         reach = rng.uniform(22.0, 46.0, 2)
@@ -175,7 +175,7 @@ def _draw_forehead(lines: Lines, rng: Generator, cuts: Engraving) -> None:
             cuts.carve(path, depth, rng.uniform(0.55, 0.9))
 
 
-def _draw_side(lines: Lines, rng: Generator, cuts: Engraving, side: float) -> None:
+def _draw_side(lines: Lines, rng: Generator, cuts: _Engraving, side: float) -> None:
     def carve(path: list[tuple[float, float]], depth: float, width: float, jitter: float) -> None:
         moved = (np.array(path) + rng.normal(0.0, jitter, (len(path), 2))) * (side, 1.0)
         cuts.carve(moved, depth * rng.uniform(0.7, 1.2), width)
@@ -204,7 +204,7 @@ def _draw_side(lines: Lines, rng: Generator, cuts: Engraving, side: float) -> No
         carve(path, 0.22 * lines["cheeks"], 0.8, 0.6)
 
 
-def _draw_mouth(lines: Lines, rng: Generator, cuts: Engraving) -> None:
+def _draw_mouth(lines: Lines, rng: Generator, cuts: _Engraving) -> None:
     """Short lines that run into the upper lip, and the furrow between lip and chin."""
     if lines["upper_lip"] > 0:
         for x in np.arange(-21.0, 22.0, 4.2) + rng.normal(0.0, 0.9, 11):

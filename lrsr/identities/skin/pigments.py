@@ -70,7 +70,7 @@ class PigmentPainter:
             ``(H, W, 3)`` float32, linear sRGB reflectance.
         """
         noise = self._mottle(rng)
-        contrast = melanin_contrast(skin["melanin"])
+        contrast = _melanin_contrast(skin["melanin"])
         coarse = self._tint_regions(noise, skin, contrast)
         melanin, blood = (self._layout.enlarge(part) for part in coarse)
         cv2.scaleAdd(grain.bumps, 0.035 * contrast * skin["melanin_mottle"], melanin, melanin)
@@ -133,7 +133,7 @@ class PigmentPainter:
         part += np.float32(per_level) * levels * self._layout.bare
 
 
-def melanin_contrast(melanin: float) -> float:
+def _melanin_contrast(melanin: float) -> float:
     """How much of a change of the logarithm of melanin is let show; 1 in fair skin.
 
     The epidermis darkens light by exp(-melanin), so the same relative change of melanin would show
@@ -146,7 +146,7 @@ def melanin_contrast(melanin: float) -> float:
         (0, 1].
 
     Example:
-        >>> round(melanin_contrast(0.015), 2), round(melanin_contrast(0.24), 2)
+        >>> round(_melanin_contrast(0.015), 2), round(_melanin_contrast(0.24), 2)
         (1.0, 0.29)
     """
     return float(min(1.0, (_EVEN_MELANIN / melanin) ** 0.6))

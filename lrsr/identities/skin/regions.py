@@ -32,7 +32,7 @@ _LID_RIM = (
 )  # fmt: skip
 
 
-def lip_outline() -> NDArray[np.float64]:
+def _lip_outline() -> NDArray[np.float64]:
     """The vermilion border of the template: the edge loop of its mesh around the mouth.
 
     Returns:
@@ -42,7 +42,7 @@ def lip_outline() -> NDArray[np.float64]:
     return np.concatenate([half, half[-2:0:-1] * (-1.0, 1.0)])
 
 
-def lid_rim(side: int) -> NDArray[np.float64]:
+def _lid_rim(side: int) -> NDArray[np.float64]:
     """The edge of the lids of one eye of the template.
 
     Args:
@@ -91,7 +91,7 @@ def lip_mask(position: NDArray[Any], pixels: FloatMap) -> FloatMap:
         ``(...)`` float32, [0, 1].
     """
     sheet = FACE.blank()
-    FACE.fill_polygon(sheet, lip_outline())
+    FACE.fill_polygon(sheet, _lip_outline())
     sheet = cv2.GaussianBlur(sheet, (0, 0), 0.7 / FACE.pixel_mm)
     lips = FACE.sample(sheet, pixels).astype(np.float32) / 255
     return np.asarray(lips * smoothstep(-45.0, -30.0, position[..., 2]), dtype=np.float32)
@@ -118,7 +118,7 @@ def lid_margin(pixels: FloatMap, width_mm: float, *, upper: bool = False) -> Flo
     """
     sheet = FACE.blank()
     for side in (-1, 1):
-        rim = lid_rim(side)
+        rim = _lid_rim(side)
         points = [FACE.to_corners(rim[:12] if upper else rim)]
         thickness = max(1, round(width_mm / FACE.pixel_mm))
         cv2.polylines(sheet, points, not upper, 255, thickness, cv2.LINE_AA, SUBPIXEL_BITS)

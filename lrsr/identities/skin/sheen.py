@@ -9,7 +9,7 @@ from numpy.random import Generator
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.regions import blob
 
-ROUGHNESS_LIMITS = (0.26, 0.75)
+_ROUGHNESS_LIMITS = (0.26, 0.75)
 """Square roots of the slopes α: 0.08 is wet, 0.56 powdery."""
 
 
@@ -82,4 +82,4 @@ class SheenPainter:
         roughness += np.float32(sheen["t_zone"]) * self._t_zone
         roughness += np.float32(sheen["lips"]) * self._lips
         roughness += np.float32(sheen["roughness"])
-        return np.asarray(np.clip(roughness, *ROUGHNESS_LIMITS), dtype=np.float32)
+        return np.asarray(np.clip(roughness, *_ROUGHNESS_LIMITS), dtype=np.float32)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 _FloatArray = NDArray[np.float64]
 
-MELANIN_RANGE = (0.002, 0.6)
+_MELANIN_RANGE = (0.002, 0.6)
 """Volume fraction of melanosomes in the epidermis that the table covers."""
 
 _BLOOD_RANGE = (0.002, 0.4)
@@ -70,7 +70,7 @@ def _numbers(table: str) -> _FloatArray:
     return np.array(table.split(), dtype=np.float64)
 
 
-def melanin_absorption(wavelength_nm: ArrayLike) -> _FloatArray:
+def _melanin_absorption(wavelength_nm: ArrayLike) -> _FloatArray:
     """Absorption of melanosomes, 93 % eumelanin and 7 % pheomelanin.
 
     Args:
@@ -80,14 +80,14 @@ def melanin_absorption(wavelength_nm: ArrayLike) -> _FloatArray:
         Same shape, mm⁻¹.
 
     Example:
-        >>> melanin_absorption(500.0).round(1)
+        >>> _melanin_absorption(500.0).round(1)
         np.float64(66.2)
     """
     wavelength = np.asarray(wavelength_nm, dtype=np.float64)
     return np.asarray(0.93 * 6.6e10 * wavelength**-3.33 + 0.07 * 2.9e14 * wavelength**-4.75)
 
 
-def baseline_absorption(wavelength_nm: ArrayLike) -> _FloatArray:
+def _baseline_absorption(wavelength_nm: ArrayLike) -> _FloatArray:
     """Absorption of bloodless, melanin-free skin (Jacques 2013, eq. 11, in mm⁻¹).
 
     Args:
@@ -100,7 +100,7 @@ def baseline_absorption(wavelength_nm: ArrayLike) -> _FloatArray:
     return np.asarray(0.0244 + 8.53 * np.exp(-(wavelength - 154.0) / 66.2))
 
 
-def blood_absorption() -> _FloatArray:
+def _blood_absorption() -> _FloatArray:
     """Absorption of whole blood (150 g/l haemoglobin, 75 % oxygenated) at ``WAVELENGTHS_NM``.
 
     Returns:
@@ -112,7 +112,7 @@ def blood_absorption() -> _FloatArray:
     return np.asarray(np.log(10.0) * extinction * 150.0 / 64500.0 / 10.0)
 
 
-def diffuse_reflectance(reduced_albedo: ArrayLike) -> _FloatArray:
+def _diffuse_reflectance(reduced_albedo: ArrayLike) -> _FloatArray:
     """Diffuse reflectance of a semi-infinite scatterer, index 1.4 (Jensen et al. 2001, eq. 15).
 
     Args:
@@ -122,7 +122,7 @@ def diffuse_reflectance(reduced_albedo: ArrayLike) -> _FloatArray:
         Same shape, [0, 1].
 
     Example:
-        >>> diffuse_reflectance([0.0, 1.0])
+        >>> _diffuse_reflectance([0.0, 1.0])
         array([0., 1.])
     """
     albedo = np.asarray(reduced_albedo, dtype=np.float64)
@@ -145,15 +145,15 @@ def skin_reflectance(melanin: ArrayLike, blood: ArrayLike) -> _FloatArray:
     """
     fraction_m = np.asarray(melanin, dtype=np.float64)[..., None]
     fraction_b = np.asarray(blood, dtype=np.float64)[..., None]
-    base = baseline_absorption(WAVELENGTHS_NM)
-    epidermis = fraction_m * melanin_absorption(WAVELENGTHS_NM) + (1 - fraction_m) * base
-    dermis = fraction_b * blood_absorption() + (1 - fraction_b) * base
+    base = _baseline_absorption(WAVELENGTHS_NM)
+    epidermis = fraction_m * _melanin_absorption(WAVELENGTHS_NM) + (1 - fraction_m) * base
+    dermis = fraction_b * _blood_absorption() + (1 - fraction_b) * base
     scattering = 4.6 * (WAVELENGTHS_NM / 500.0) ** -1.42
     twice = np.exp(-2 * _EPIDERMIS_MM * epidermis)
-    return np.asarray(twice * diffuse_reflectance(scattering / (scattering + dermis)))
+    return np.asarray(twice * _diffuse_reflectance(scattering / (scattering + dermis)))
 
 
-def spectrum_to_linear_srgb(reflectance: ArrayLike) -> _FloatArray:
+def _spectrum_to_linear_srgb(reflectance: ArrayLike) -> _FloatArray:
     """Colour of a surface under D65; a white one gives (1, 1, 1) to within 0.5 %.
 
     Args:
@@ -168,7 +168,7 @@ def spectrum_to_linear_srgb(reflectance: ArrayLike) -> _FloatArray:
     return np.asarray(np.asarray(reflectance) @ weights @ _XYZ_TO_LINEAR_SRGB.T, dtype=np.float64)
 
 
-def tone(melanin: ArrayLike, blood: ArrayLike) -> _FloatArray:
+def _tone(melanin: ArrayLike, blood: ArrayLike) -> _FloatArray:
     """Skin colour, computed exactly; :func:`tone_map` is the fast form for textures.
 
     Args:
@@ -178,22 +178,22 @@ def tone(melanin: ArrayLike, blood: ArrayLike) -> _FloatArray:
     Returns:
         ``(..., 3)`` linear sRGB reflectance, [0.001, 0.95].
     """
-    colour = spectrum_to_linear_srgb(skin_reflectance(melanin, blood))
+    colour = _spectrum_to_linear_srgb(skin_reflectance(melanin, blood))
     grey = (colour @ _LUMINANCE)[..., None]
     share = np.interp(np.log(np.maximum(melanin, 1e-6)), np.log(_CHROMA_MELANIN), _CHROMA)
     return np.asarray(np.clip(_GAIN * (grey + share[..., None] * (colour - grey)), 0.001, 0.95))
 
 
 @lru_cache(maxsize=1)
-def tone_table() -> NDArray[np.float32]:
-    """Tabulate :func:`tone` over the logarithms of its two arguments.
+def _tone_table() -> NDArray[np.float32]:
+    """Tabulate :func:`_tone` over the logarithms of its two arguments.
 
     Returns:
         ``(48, 48, 3)`` float32, linear sRGB; rows run over melanin, columns over blood.
     """
-    melanin = np.geomspace(*MELANIN_RANGE, _TABLE_SIZE)
+    melanin = np.geomspace(*_MELANIN_RANGE, _TABLE_SIZE)
     blood = np.geomspace(*_BLOOD_RANGE, _TABLE_SIZE)
-    table = tone(melanin[:, None], blood[None, :]).astype(np.float32)
+    table = _tone(melanin[:, None], blood[None, :]).astype(np.float32)
     table.flags.writeable = False
     return table
 
@@ -220,7 +220,7 @@ def _carotene_filter(depth: float) -> NDArray[np.float32]:
 def tone_map(
     log_melanin: NDArray[np.float32], log_blood: NDArray[np.float32], *, carotene: float = 0.0
 ) -> NDArray[np.float32]:
-    """Look the colour of every texel up, bilinear in the logarithms (within 1 % of :func:`tone`).
+    """Look the colour of every texel up, bilinear in the logarithms (within 1 % of :func:`_tone`).
 
     Args:
         log_melanin: ``(H, W)``, natural logarithm of the fraction; clamped to ``MELANIN_RANGE``.
@@ -230,8 +230,8 @@ def tone_map(
     Returns:
         ``(H, W, 3)`` float32, linear sRGB reflectance.
     """
-    table = tone_table() * _carotene_filter(carotene)
-    row = _table_position(log_melanin, MELANIN_RANGE)
+    table = _tone_table() * _carotene_filter(carotene)
+    row = _table_position(log_melanin, _MELANIN_RANGE)
     column = _table_position(log_blood, _BLOOD_RANGE)
     colour = cv2.remap(table, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(colour, dtype=np.float32)

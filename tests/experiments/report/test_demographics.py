@@ -8,7 +8,7 @@ import pytest
 from matplotlib.image import imread
 
 from lrsr.experiments.report.demographics import _DECADES, draw_spread, spread
-from lrsr.identities.person import TONES, Traits, tone_of
+from lrsr.identities.person import TONES, Traits, _tone_of
 from lrsr.identities.population import ANCESTRIES, OLDEST_YEARS, YOUNGEST_YEARS
 
 ASIAN = {"african": 0.1, "asian": 0.8, "caucasian": 0.1}
@@ -25,7 +25,7 @@ def crowd(count: int, seed: int = 0) -> list[Traits]:
         ita_deg = float(rng.uniform(-60, 70))
         age = float(rng.uniform(YOUNGEST_YEARS, OLDEST_YEARS))
         sex = str(rng.choice(["female", "male"]))
-        people.append(Traits(sex, age, shares, ita_deg, tone_of(ita_deg)))
+        people.append(Traits(sex, age, shares, ita_deg, _tone_of(ita_deg)))
     return people
 
 

@@ -3,7 +3,7 @@ import pytest
 from fakes.scenes import DAYS
 
 from lrsr.errors import InputError
-from lrsr.identities.day.another_day import CHANCES, SAME_DAY, SPANS, AnotherDay
+from lrsr.identities.day.another_day import _CHANCES, _SPANS, SAME_DAY, AnotherDay
 
 
 def test_the_same_person_and_day_draw_the_same_and_another_day_something_else() -> None:
@@ -21,7 +21,7 @@ def test_an_amount_is_uniform_within_its_span() -> None:
     assert drawn.mean() == pytest.approx(4, abs=4 * (16 / 12 / 1500) ** 0.5)
 
 
-@pytest.mark.parametrize("kind", CHANCES)
+@pytest.mark.parametrize("kind", _CHANCES)
 def test_a_chance_is_as_frequent_as_it_says(kind: str) -> None:
     day = AnotherDay("x", **{kind: 0.3})
     count = sum(day.wears(seed, kind) for seed in range(1000))
@@ -44,7 +44,7 @@ def test_every_file_changes_something_and_names_what(name: str) -> None:
     day = DAYS[name]
     assert not day.is_same
     if name != "everything":
-        assert [kind for kind in (*CHANCES, *SPANS) if day.record()[kind] not in (0, (0, 0))] == [
+        assert [kind for kind in (*_CHANCES, *_SPANS) if day.record()[kind] not in (0, (0, 0))] == [
             name
         ]
 

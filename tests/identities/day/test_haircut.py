@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lrsr.identities.day.haircut import hair_length_mm, restyle
+from lrsr.identities.day.haircut import _hair_length_mm, restyle
 from lrsr.identities.head import Head
 
 Make = Callable[..., Head]
@@ -33,7 +33,7 @@ def test_cut_hair_is_shorter_grown_hair_longer_and_the_scalp_the_same(
     for seed in range(6):
         hair, way = restyled(head, seed)
         seen.add(way)
-        longer = hair_length_mm(hair) / hair_length_mm(own)
+        longer = _hair_length_mm(hair) / _hair_length_mm(own)
         assert {"cut": longer < 0.7, "grown": longer > 1.45}.get(way, longer == 1)
         for name in ("hairline_deg", "recession_deg", "bald_deg", "hair_colour", "grey"):
             assert hair[name] == own[name]

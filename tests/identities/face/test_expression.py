@@ -8,7 +8,7 @@ from fakes.scenes import EXPRESSIONS
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
-from lrsr.identities.face.expression import NEUTRAL, Expression, known_units
+from lrsr.identities.face.expression import NEUTRAL, Expression, _known_units
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
 from lrsr.identities.shape.basis import load_basis
@@ -60,7 +60,7 @@ def test_a_unit_without_a_side_moves_both() -> None:
 
 def test_all_units_are_those_of_arkit_but_gaze_and_tongue() -> None:
     # Apple, ARFaceAnchor.BlendShapeLocation: 52 of them; 8 turn the eyes, one puts out the tongue.
-    single = [unit for unit, sides in known_units().items() if sides == (unit,)]
+    single = [unit for unit, sides in _known_units().items() if sides == (unit,)]
     assert len(single) == 52 - 8 - 1
     assert {"jawOpen", "cheekPuff", "eyeBlinkLeft"} <= set(single)
 

@@ -5,7 +5,7 @@ import pytest
 
 from lrsr.identities.face.eyes import (
     Eyes,
-    cornea_rise,
+    _cornea_rise,
     eye_chart,
     eyeball_vertices,
     find_eyes,
@@ -66,7 +66,7 @@ def test_the_ball_is_a_half_sphere_that_faces_outwards() -> None:
     ball = unit_ball()
     distance = np.linalg.norm(ball.vertices, axis=1)
     polar = np.arctan2(np.hypot(*ball.vertices.T[:2]), ball.vertices[:, 2])
-    np.testing.assert_allclose(distance, 1 + cornea_rise(polar))
+    np.testing.assert_allclose(distance, 1 + _cornea_rise(polar))
     assert distance.max() == pytest.approx(1.06)
     assert ball.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-12)
     corners = ball.vertices[ball.faces]
@@ -105,7 +105,9 @@ def test_the_pole_of_an_eyeball_lies_before_the_pupil() -> None:
 def test_the_cornea_is_as_curved_as_gullstrands() -> None:
     angle = np.linspace(0.0, 0.05, 6)
     points = (
-        16.6 * (1 + cornea_rise(angle))[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+        16.6
+        * (1 + _cornea_rise(angle))[:, None]
+        * np.stack([np.sin(angle), np.cos(angle)], axis=-1)
     )
     sagitta, half = points[0, 1] - points[-1, 1], points[-1, 0]
     assert (half**2 + sagitta**2) / (2 * sagitta) == pytest.approx(7.8, rel=0.03)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.identities.face.iris import EDGE_ANGLE_RAD, IRIS_COLOURS, paint_eye, sample_iris
+from lrsr.identities.face.iris import _EDGE_ANGLE_RAD, _IRIS_COLOURS, paint_eye, sample_iris
 
 BROWN = {
     "colour": "brown",
@@ -28,7 +28,7 @@ WIDE_OPEN = np.array([[(-50.0, 50.0), (50.0, 50.0)], [(-50.0, -50.0), (50.0, -50
 
 def _angle(size: int) -> NDArray[np.float64]:
     centred = (np.arange(size) + 0.5) / size * 2 - 1
-    return np.hypot(*np.meshgrid(centred, centred)) * EDGE_ANGLE_RAD
+    return np.hypot(*np.meshgrid(centred, centred)) * _EDGE_ANGLE_RAD
 
 
 def _paint(iris: dict[str, Any], seed: int = 0, size: int = 256) -> NDArray[np.float32]:
@@ -63,14 +63,14 @@ def test_the_limbus_is_darker_than_the_middle() -> None:
 def test_fibres_run_along_the_radius() -> None:
     eye = _paint(BROWN).mean(axis=-1)
     radius, azimuth = np.meshgrid(np.linspace(0.2, 0.27, 12), np.linspace(0, 6.28, 300))
-    pixel = 128 / EDGE_ANGLE_RAD
+    pixel = 128 / _EDGE_ANGLE_RAD
     rows = np.round(127.5 - pixel * radius * np.sin(azimuth)).astype(int)
     columns = np.round(127.5 + pixel * radius * np.cos(azimuth)).astype(int)
     ring = eye[rows, columns]
     assert ring.std(axis=0).mean() > 1.5 * ring.std(axis=1).mean()
 
 
-@pytest.mark.parametrize("colour", IRIS_COLOURS)
+@pytest.mark.parametrize("colour", _IRIS_COLOURS)
 def test_every_colour_is_a_reflectance(colour: str) -> None:
     eye = _paint(BROWN | {"colour": colour, "brightness": 1.6, "ring": 0.8})
     assert eye.shape == (256, 256, 3)
@@ -129,7 +129,7 @@ def test_lids_shade_what_lies_below_them_most_at_the_upper_one() -> None:
         for given in (WIDE_OPEN, margins)
     )
     ratio = (shaded / plain)[:, 118:138].mean(axis=1)
-    row = {y: round(127.5 - y / EDGE_ANGLE_RAD * 128) for y in (0.28, 0.1, -0.15, -0.2)}
+    row = {y: round(127.5 - y / _EDGE_ANGLE_RAD * 128) for y in (0.28, 0.1, -0.15, -0.2)}
     assert ratio[row[0.28]] < 0.5
     assert ratio[row[0.1]] < ratio[row[-0.15]]
     assert 0.7 < ratio[row[-0.15]] <= 1.0

@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 
-from lrsr.identities.face.lashes import COUNTS, lash_faces, place_lashes, sample_lashes
+from lrsr.identities.face.lashes import _COUNTS, lash_faces, place_lashes, sample_lashes
 from lrsr.identities.face.lids import lid_margins
 from lrsr.identities.face.template import template
 
@@ -17,25 +17,25 @@ def _place(seed: int = 0, **changes: float) -> np.ndarray:
 
 def test_every_lash_has_three_triangles() -> None:
     faces, hairs = lash_faces(), _place()
-    assert len(faces) == 3 * 2 * sum(COUNTS)
+    assert len(faces) == 3 * 2 * sum(_COUNTS)
     assert hairs.shape == (faces.max() + 1, 3)
     assert hairs.dtype == np.float32
 
 
 def test_lashes_point_away_from_the_eye_up_on_the_upper_lid_and_down_on_the_lower() -> None:
-    hairs = _place().reshape(2, sum(COUNTS), 5, 3).astype(float)
+    hairs = _place().reshape(2, sum(_COUNTS), 5, 3).astype(float)
     eyes = template().eyes
     distance = np.linalg.norm(hairs - eyes.centres[:, None, None], axis=-1)
     assert (distance[..., 4] > distance[..., :2].max(axis=-1)).all()
     rise = hairs[:, :, 4, 1] - hairs[:, :, 0, 1]
-    assert (rise[:, : COUNTS[0]] > 0).mean() > 0.95
-    assert (rise[:, COUNTS[0] :] < 0).mean() > 0.95
+    assert (rise[:, : _COUNTS[0]] > 0).mean() > 0.95
+    assert (rise[:, _COUNTS[0] :] < 0).mean() > 0.95
 
 
 def test_none_is_longer_than_told_and_lower_ones_are_shorter() -> None:
-    hairs = _place().reshape(2, sum(COUNTS), 5, 3)
+    hairs = _place().reshape(2, sum(_COUNTS), 5, 3)
     length = np.linalg.norm(hairs[..., 4, :] - hairs[..., :2, :].mean(axis=-2), axis=-1)
-    upper, lower = length[:, : COUNTS[0]], length[:, COUNTS[0] :]
+    upper, lower = length[:, : _COUNTS[0]], length[:, _COUNTS[0] :]
     assert 6.0 < upper.max() < 8.4 + 0.01
     assert lower.max() < 4.3
 

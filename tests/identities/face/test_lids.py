@@ -1,17 +1,19 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from oracles.lids import pierced_mm
 
 from lrsr.identities.face.eyes import Eyes, find_eyes
 from lrsr.identities.face.lids import (
-    MARGIN_POINTS,
+    _MARGIN_POINTS,
     Lids,
+    _lid_heights,
     clear_lids,
     closing_strengths,
-    lid_heights,
     lid_margins,
     rest_lids,
 )
+from lrsr.identities.face.resting import rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.shape.basis import load_basis
 
@@ -57,10 +59,27 @@ def test_clearing_the_template_makes_room_for_the_cornea_alone() -> None:
     assert np.abs(moved - average.skin).max() < 0.6
 
 
+def test_clearing_the_lids_heals_what_was_pierced() -> None:
+    average = template()
+    pierced = clear_lids(average.skin, average.eyes, average.lids)
+    assert pierced_mm(pierced, average.eyes, average.lids) < 0.02
+    index = average.lids.vertices[0]
+    above = average.skin[index, 1] - average.eyes.pupils[0, 1]
+    pierced[index[(above > 0.5) & (above < 12.0)], 2] -= 2.0
+    assert 0.8 < pierced_mm(pierced, average.eyes, average.lids) < 2.1
+    healed = clear_lids(pierced, average.eyes, average.lids)
+    assert pierced_mm(healed, average.eyes, average.lids) < 0.02
+
+
+def test_faces_at_rest_have_lids_that_clear_their_eyes() -> None:
+    face = rest_face(load_basis().neutral)
+    assert pierced_mm(face.skin, face.eyes, template().lids) < 0.1
+
+
 def test_margins_run_along_the_eyeball_from_the_inner_corner_to_the_outer() -> None:
     average = template()
     margins = lid_margins(average.skin, average.eyes, average.lids)
-    assert margins.shape == (2, 2, MARGIN_POINTS, 3)
+    assert margins.shape == (2, 2, _MARGIN_POINTS, 3)
     offset = margins - average.eyes.centres[:, None, None]
     distance = np.linalg.norm(offset, axis=-1) / average.eyes.radii[:, None, None]
     np.testing.assert_allclose(distance, 1.0, atol=0.02)
@@ -73,10 +92,10 @@ def test_margins_run_along_the_eyeball_from_the_inner_corner_to_the_outer() -> N
 
 def test_lids_of_the_average_adult_stand_where_those_of_adults_do_and_stay() -> None:
     basis, lids = load_basis(), template().lids
-    heights = lid_heights(basis, basis.neutral, lids)
+    heights = _lid_heights(basis, basis.neutral, lids)
     assert heights == pytest.approx([4.0, 4.0], abs=0.6)
     rested = rest_lids(basis, basis.neutral, lids)
-    assert lid_heights(basis, rested, lids) == pytest.approx(heights, abs=0.3)
+    assert _lid_heights(basis, rested, lids) == pytest.approx(heights, abs=0.3)
 
 
 @pytest.mark.parametrize(("unit", "strength"), [("eyeWide", 0.8), ("eyeBlink", 0.35)])
@@ -86,7 +105,7 @@ def test_startled_and_drooping_lids_come_to_rest(unit: str, strength: float) -> 
     for side in ("Left", "Right"):
         weights[basis.column[f"unit/{unit}{side}"]] += strength
     before, after = (
-        lid_heights(basis, w, lids) for w in (weights, rest_lids(basis, weights, lids))
+        _lid_heights(basis, w, lids) for w in (weights, rest_lids(basis, weights, lids))
     )
     assert np.all((before < 2.4) | (before > 5.2))
     assert np.all((after > 2.4) & (after < 5.2))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from lrsr.identities.face.expression import Expression
-from lrsr.identities.face.mouth import MUCOSA, THROAT, build_mouth, cavity, lining
+from lrsr.identities.face.mouth import _MUCOSA, _THROAT, build_mouth, cavity, lining
 from lrsr.identities.face.teeth import build_jaws
 from lrsr.identities.face.template import template
 from lrsr.identities.morphable import sample_head
@@ -32,8 +32,8 @@ def test_lips_keep_their_colour_and_the_throat_is_dark() -> None:
     assert rows.min() > 0.9 * 256  # the tile of the mouth lies in the lower right corner
     assert columns.min() > 0.8 * 256
     painted = albedo[rows, columns]
-    np.testing.assert_allclose(painted.min(axis=0), THROAT, atol=0.02)
-    assert (np.abs(painted - MUCOSA).max(axis=1) < 0.02).sum() > 20
+    np.testing.assert_allclose(painted.min(axis=0), _THROAT, atol=0.02)
+    assert (np.abs(painted - _MUCOSA).max(axis=1) < 0.02).sum() > 20
 
 
 def test_nothing_grows_inside_the_mouth() -> None:

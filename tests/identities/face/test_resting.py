@@ -3,7 +3,7 @@ import pytest
 
 from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.identities.face.eyes import Eyes
-from lrsr.identities.face.resting import RestingFace, act, head_frame, rest_face
+from lrsr.identities.face.resting import RestingFace, _head_frame, act, rest_face
 from lrsr.identities.shape.basis import load_basis
 
 
@@ -22,7 +22,7 @@ def test_a_head_frame_is_a_rotation() -> None:
     tilted = Eyes(
         np.array([[-30.0, 5.0, 1.0], [31.0, 9.0, -2.0]]), np.array([12.0, 12.0]), forwards
     )
-    rotation, origin = head_frame(tilted)
+    rotation, origin = _head_frame(tilted)
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(rotation) == pytest.approx(1.0)
     moved = tilted.moved(rotation, origin).pupils

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from lrsr.identities.face.teeth import (
-    LOWER_WIDTHS_MM,
-    UPPER_WIDTHS_MM,
+    _LOWER_WIDTHS_MM,
+    _UPPER_WIDTHS_MM,
     build_jaws,
     paint_jaws,
 )
@@ -11,8 +11,8 @@ from lrsr.identities.face.teeth import (
 
 def test_widths_are_those_of_wheelers_tables() -> None:
     # Nelson and Ash 2010: upper 8.5 6.5 7.5 7 7 10, lower 5 5.5 7 7 7 11 mm.
-    np.testing.assert_allclose(UPPER_WIDTHS_MM, (8.5, 6.5, 7.5, 7.0, 7.0, 10.0), atol=0.4)
-    np.testing.assert_allclose(LOWER_WIDTHS_MM, (5.0, 5.5, 7.0, 7.0, 7.0, 11.0), atol=0.4)
+    np.testing.assert_allclose(_UPPER_WIDTHS_MM, (8.5, 6.5, 7.5, 7.0, 7.0, 10.0), atol=0.4)
+    np.testing.assert_allclose(_LOWER_WIDTHS_MM, (5.0, 5.5, 7.0, 7.0, 7.0, 11.0), atol=0.4)
 
 
 def test_both_sides_are_mirror_images() -> None:

@@ -4,8 +4,8 @@ from numpy.typing import NDArray
 
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.anthropometry import (
-    LENGTHS,
-    LIMIT_SD,
+    _LENGTHS,
+    _LIMIT_SD,
     PROPORTIONS,
     Sex,
     limits,
@@ -62,7 +62,7 @@ def skin() -> NDArray[np.float64]:
 
 
 def lengths_of(known: dict[str, float]) -> dict[str, float]:
-    return dict.fromkeys(LENGTHS, 50.0) | known
+    return dict.fromkeys(_LENGTHS, 50.0) | known
 
 
 @pytest.mark.parametrize("sex", ["female", "male"])
@@ -109,7 +109,7 @@ def test_the_mean_has_a_score_of_nought_and_the_limits_have_the_limits() -> None
     middles = {p.name: sum(limits(p, "male")) / 2 for p in PROPORTIONS}
     highest = {p.name: limits(p, "male")[1] for p in PROPORTIONS}
     assert list(z_scores(middles, "male").values()) == pytest.approx([0.0] * len(PROPORTIONS))
-    assert list(z_scores(highest, "male").values()) == pytest.approx([LIMIT_SD] * len(PROPORTIONS))
+    assert list(z_scores(highest, "male").values()) == pytest.approx([_LIMIT_SD] * len(PROPORTIONS))
 
 
 def test_sigma_z_does_not_mind_a_face_that_is_evenly_large() -> None:
@@ -130,7 +130,7 @@ def test_a_nose_is_as_deep_as_its_tip_lies_before_its_wings() -> None:
 
 
 def test_the_template_is_not_crooked() -> None:
-    assert tuple(measure_crookedness(skin()).values()) == pytest.approx((0.0,) * 4, abs=1e-6)
+    assert tuple(measure_crookedness(skin()).values()) == pytest.approx((0.0, 0.0), abs=1e-6)
 
 
 def test_a_head_turned_in_the_picture_plane_has_a_canted_mouth() -> None:
@@ -143,12 +143,11 @@ def test_a_head_turned_in_the_picture_plane_has_a_canted_mouth() -> None:
     ] == pytest.approx(7.0)
 
 
-def test_a_sheared_head_has_nose_mouth_and_chin_aside_the_chin_most() -> None:
+def test_a_sheared_head_has_its_mouth_aside() -> None:
     sheared = skin()
     sheared[:, 0] += 0.1 * sheared[:, 1]
-    _, mouth, nose, chin = measure_crookedness(sheared).values()
+    _, mouth = measure_crookedness(sheared).values()
     assert mouth == pytest.approx(7.5, abs=0.2)  # 75 mm below the nasion
-    assert 3.0 < nose < mouth < chin
 
 
 def test_crookedness_is_that_of_the_mirrored_head() -> None:

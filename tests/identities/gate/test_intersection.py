@@ -6,11 +6,11 @@ from lrsr.identities.face.expression import Expression
 from lrsr.identities.face.resting import act, rest_face
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.intersection import (
+    _crossing_pairs,
+    _edges_cross,
+    _nose_faces,
     count_nose_crossings,
-    crossing_pairs,
-    edges_cross,
     lip_overlap_mm,
-    nose_faces,
 )
 from lrsr.identities.shape.basis import load_basis
 
@@ -38,14 +38,14 @@ def exact_crossing(one: Points, other: Points) -> bool:
 
 
 def test_an_edge_through_a_triangle_crosses_it() -> None:
-    assert edges_cross(THROUGH[None], FLAT[None]).tolist() == [True]
+    assert _edges_cross(THROUGH[None], FLAT[None]).tolist() == [True]
 
 
 @pytest.mark.parametrize(
     "other", [np.add(THROUGH, (9.0, 0.0, 0.0)), np.add(THROUGH, (0.0, 0.0, 5.0)), FLAT], ids=str
 )
 def test_triangles_beside_above_and_in_one_plane_do_not_cross(other: Points) -> None:
-    assert not edges_cross(other[None], FLAT[None]).any()
+    assert not _edges_cross(other[None], FLAT[None]).any()
 
 
 def test_crossings_of_chance_triangles_are_those_of_linear_algebra() -> None:
@@ -53,25 +53,25 @@ def test_crossings_of_chance_triangles_are_those_of_linear_algebra() -> None:
     one, other = rng.normal(size=(2, 300, 3, 3))
     wanted = [exact_crossing(a, b) for a, b in zip(one, other, strict=True)]
     assert 50 < sum(wanted) < 250
-    assert edges_cross(one, other).tolist() == wanted
+    assert _edges_cross(one, other).tolist() == wanted
 
 
 def test_pairs_that_cross_are_found_and_neighbours_are_none() -> None:
     vertices = np.concatenate([FLAT, THROUGH, np.add(FLAT[1:2], (0.0, 4.0, 0.5))])
     faces = np.array([[0, 1, 2], [3, 4, 5], [1, 6, 2]])
-    assert crossing_pairs(vertices, faces, APART, reach_mm=10.0, apart_mm=0.0).tolist() == [[0, 1]]
+    assert _crossing_pairs(vertices, faces, APART, reach_mm=10.0, apart_mm=0.0).tolist() == [[0, 1]]
 
 
 def test_pairs_out_of_reach_are_not_compared() -> None:
     vertices, faces = np.concatenate([FLAT, THROUGH]), np.array([[0, 1, 2], [3, 4, 5]])
-    assert len(crossing_pairs(vertices, faces, APART, reach_mm=0.01, apart_mm=0.0)) == 0
+    assert len(_crossing_pairs(vertices, faces, APART, reach_mm=0.01, apart_mm=0.0)) == 0
 
 
 def test_creases_do_not_count() -> None:
     vertices, faces = np.concatenate([FLAT, THROUGH]), np.array([[0, 1, 2], [3, 4, 5]])
     usual = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
     near, far = (
-        crossing_pairs(vertices, faces, usual, reach_mm=10.0, apart_mm=apart)
+        _crossing_pairs(vertices, faces, usual, reach_mm=10.0, apart_mm=apart)
         for apart in (2.9, 3.1)
     )
     assert (len(near), len(far)) == (1, 0)
@@ -83,7 +83,7 @@ def test_the_templates_nose_does_not_cross_itself() -> None:
 
 def test_a_nose_whose_wings_collapse_through_the_septum_crosses_itself() -> None:
     collapsed = skin()
-    faces, _ = nose_faces()
+    faces, _ = _nose_faces()
     nose = np.unique(faces)
     wing = nose[np.abs(collapsed[nose, 0]) > 8.0]
     collapsed[wing, 0] -= 14.0 * np.sign(collapsed[wing, 0])

@@ -9,13 +9,13 @@ from lrsr.identities.hair.anchors import (
     AZIMUTHS,
     POLARS,
     SKULL_CENTRE_MM,
+    _chart_directions,
     anchor_arrays,
     build_anchors,
     chart_angles,
-    chart_directions,
     load_anchors,
 )
-from lrsr.identities.hair.build_anchors import find_ears, main, make_anchors
+from lrsr.identities.hair.build_anchors import _find_ears, _make_anchors, main
 from lrsr.identities.morphable import load_basis, template
 
 CENTRE = np.asarray(SKULL_CENTRE_MM)
@@ -34,7 +34,7 @@ def make_sphere(
 def test_chart_of_a_sphere_lies_on_the_sphere() -> None:
     vertices, faces = make_sphere()
     anchors = build_anchors(vertices, faces, np.array([], dtype=np.int32))
-    expected = CENTRE + 90.0 * chart_directions()
+    expected = CENTRE + 90.0 * _chart_directions()
     np.testing.assert_allclose(anchors.template, expected, atol=0.3)
 
 
@@ -63,7 +63,7 @@ def test_rows_of_the_shipped_chart_sum_to_one() -> None:
 
 
 def test_shipped_chart_is_the_one_of_the_shipped_template() -> None:
-    shipped, made = load_anchors(), make_anchors()
+    shipped, made = load_anchors(), _make_anchors()
     assert shipped.matrix.shape == made.matrix.shape
     np.testing.assert_array_equal(shipped.ears, made.ears)
     np.testing.assert_allclose(shipped.template, made.template, atol=1e-2)
@@ -81,7 +81,7 @@ def test_chart_moves_with_the_head() -> None:
 
 
 def test_ears_are_two_alike_and_at_the_sides() -> None:
-    ears = template().skin[find_ears(load_basis())]
+    ears = template().skin[_find_ears(load_basis())]
     left, right = ears[ears[:, 0] > 0], ears[ears[:, 0] < 0]
     assert len(left) == len(right)
     assert np.abs(ears[:, 0]).min() > 50.0
@@ -89,7 +89,7 @@ def test_ears_are_two_alike_and_at_the_sides() -> None:
 
 
 def test_angles_are_the_inverse_of_directions() -> None:
-    azimuth, polar = chart_angles(CENTRE + 80.0 * chart_directions()[:, 1:])
+    azimuth, polar = chart_angles(CENTRE + 80.0 * _chart_directions()[:, 1:])
     expected = (np.arange(AZIMUTHS) * 3.0 + 180.0) % 360.0 - 180.0
     wrapped = (azimuth - expected[:, None] + 180.0) % 360.0 - 180.0
     np.testing.assert_allclose(wrapped, 0.0, atol=1e-9)

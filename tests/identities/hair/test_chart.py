@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from lrsr.identities.hair.anchors import AZIMUTHS, POLARS, SKULL_CENTRE_MM, chart_directions
+from lrsr.identities.hair.anchors import AZIMUTHS, POLARS, SKULL_CENTRE_MM, _chart_directions
 from lrsr.identities.hair.chart import (
-    LEVELS_MM,
+    _LEVELS_MM,
     flatten,
     measure_ears,
     measure_skin,
@@ -12,7 +12,7 @@ from lrsr.identities.hair.chart import (
 )
 
 CENTRE = np.asarray(SKULL_CENTRE_MM)
-SPHERE = CENTRE + 90.0 * chart_directions()
+SPHERE = CENTRE + 90.0 * _chart_directions()
 
 
 def test_flattened_chart_keeps_the_polar_angle_as_its_radius() -> None:
@@ -48,4 +48,4 @@ def test_ears_reach_where_they_are_and_nowhere_else() -> None:
     reach = sample_level(table, np.array([90.0, -90.0, 0.0]), height)
     assert reach[:2] == pytest.approx([100.0, 95.0], rel=0.03)
     assert reach[2] == 0.0
-    assert table.shape == (AZIMUTHS, len(LEVELS_MM))
+    assert table.shape == (AZIMUTHS, len(_LEVELS_MM))

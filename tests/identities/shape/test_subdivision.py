@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lrsr.identities.shape.subdivision import split_smoothly, subdivide, triangulate
+from lrsr.identities.shape.subdivision import _split_smoothly, subdivide, triangulate
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 CUBE_QUADS = np.array(
@@ -36,11 +36,11 @@ def slow_catmull_clark(points: np.ndarray, quads: np.ndarray) -> dict[str, list[
 def test_one_round_of_a_cube_agrees_with_the_rules_written_as_loops() -> None:
     slow = slow_catmull_clark(CUBE, CUBE_QUADS)
     expected = np.array([*slow["vertices"], *slow["edges"], *slow["faces"]])
-    np.testing.assert_allclose(split_smoothly(CUBE_QUADS, 8).matrix @ CUBE, expected, atol=1e-12)
+    np.testing.assert_allclose(_split_smoothly(CUBE_QUADS, 8).matrix @ CUBE, expected, atol=1e-12)
 
 
 def test_two_rounds_agree_with_the_loops_applied_twice() -> None:
-    once = split_smoothly(CUBE_QUADS, 8)
+    once = _split_smoothly(CUBE_QUADS, 8)
     slow = slow_catmull_clark(once.matrix @ CUBE, once.quads)
     expected = np.array([*slow["vertices"], *slow["edges"], *slow["faces"]])
     both = subdivide(CUBE_QUADS, 8, 2, smooth=True)
@@ -48,11 +48,11 @@ def test_two_rounds_agree_with_the_loops_applied_twice() -> None:
 
 
 def test_a_cubes_corner_moves_to_two_ninths() -> None:
-    np.testing.assert_allclose((split_smoothly(CUBE_QUADS, 8).matrix @ CUBE)[0], [2 / 9] * 3)
+    np.testing.assert_allclose((_split_smoothly(CUBE_QUADS, 8).matrix @ CUBE)[0], [2 / 9] * 3)
 
 
 def test_an_open_borders_vertex_follows_the_cubic_spline() -> None:
-    moved = split_smoothly(ONE_QUAD, 4).matrix @ STRIP
+    moved = _split_smoothly(ONE_QUAD, 4).matrix @ STRIP
     expected = (6 * STRIP[0] + STRIP[1] + STRIP[3]) / 8
     np.testing.assert_allclose(moved[0], expected)
 
@@ -90,10 +90,10 @@ def test_the_winding_is_kept() -> None:
 
 
 def test_a_vertex_without_a_quad_stays() -> None:
-    matrix = split_smoothly(ONE_QUAD, 5).matrix
+    matrix = _split_smoothly(ONE_QUAD, 5).matrix
     assert matrix[4].toarray().tolist() == [[0, 0, 0, 0, 1]]
 
 
 def test_where_more_than_two_borders_meet_the_vertex_stays() -> None:
     bow_tie = np.array([[0, 1, 2, 3], [2, 4, 5, 6]])
-    assert split_smoothly(bow_tie, 7).matrix[2].toarray()[0].tolist() == [0, 0, 1, 0, 0, 0, 0]
+    assert _split_smoothly(bow_tie, 7).matrix[2].toarray()[0].tolist() == [0, 0, 1, 0, 0, 0, 0]

@@ -5,7 +5,7 @@ import pytest
 
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.makehuman import LEFT_EYE, RIGHT_EYE, BaseMesh, read_base
-from lrsr.identities.shape.topology import REGIONS, TILES, Topology, choose_faces, lay_out
+from lrsr.identities.shape.topology import _TILES, REGIONS, Topology, choose_faces, lay_out
 
 
 @pytest.fixture(scope="module")
@@ -40,14 +40,14 @@ def test_every_region_lies_in_its_tile(
 ) -> None:
     uv = lay_out(human[0], topology, human[1])
     for index, name in enumerate(REGIONS):
-        left, top, right, bottom = TILES[name]
+        left, top, right, bottom = _TILES[name]
         used = uv[topology.uv_quads[topology.region == index]].reshape(-1, 2)
         assert (used >= [left, top]).all(), name
         assert (used <= [right, bottom]).all(), name
 
 
 def test_tiles_do_not_overlap() -> None:
-    boxes = list(TILES.values())
+    boxes = list(_TILES.values())
     for k, (left, top, right, bottom) in enumerate(boxes):
         for x0, y0, x1, y1 in boxes[k + 1 :]:
             assert right <= x0 or x1 <= left or bottom <= y0 or y1 <= top

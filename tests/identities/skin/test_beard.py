@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lrsr.identities.skin import beard as beards
-from lrsr.identities.skin.beard import BEARD_KINDS, JAW
+from lrsr.identities.skin.beard import _BEARD_KINDS, JAW
 
 PLAIN = {
     "kind": "full",
@@ -85,12 +85,12 @@ def test_the_jaw_unrolls_without_folding() -> None:
 
 
 def test_a_beard_of_density_one_has_9000_strands_that_point_down() -> None:
-    strands = beards.beard_strands(PLAIN, np.random.default_rng(0))
+    strands = beards._beard_strands(PLAIN, np.random.default_rng(0))
     assert strands.shape == (9000, 4, 2)
     assert np.mean(strands[:, -1, 1] < strands[:, 0, 1]) > 0.9
 
 
-@pytest.mark.parametrize("kind", BEARD_KINDS)
+@pytest.mark.parametrize("kind", _BEARD_KINDS)
 def test_every_kind_draws_the_same_for_the_same_seed(kind: str) -> None:
     beard = PLAIN | {"kind": kind}
     first, again = (beards.draw_beard(beard, np.random.default_rng(7)) for _ in range(2))
@@ -136,6 +136,6 @@ def test_women_grow_no_beard_and_men_grow_every_kind() -> None:
     men = [beards.sample_beard(rng, masculinity=0.95, asian=0.2, grey=0.5) for _ in range(300)]
     assert {beard["kind"] for beard in women} == {"none"}
     assert {beard["shadow"] for beard in women} == {0.0}
-    assert {beard["kind"] for beard in men} == set(BEARD_KINDS)
+    assert {beard["kind"] for beard in men} == set(_BEARD_KINDS)
     assert all(1 <= beard["length_mm"] <= 6 for beard in men)
     assert json.loads(json.dumps(men[0])) == men[0]

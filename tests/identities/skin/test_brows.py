@@ -8,9 +8,9 @@ from lrsr.identities.skin import brows as eyebrows
 from lrsr.identities.skin.brows import (
     CANVAS,
     Brows,
-    brow_line,
-    brow_strands,
-    brow_thickness,
+    _brow_line,
+    _brow_strands,
+    _brow_thickness,
     cover_brows,
     lay_brows,
 )
@@ -38,7 +38,7 @@ def _coverage(brows: dict[str, float], seed: int = 0) -> NDArray[np.float64]:
 
 
 def test_a_plain_brow_has_420_strands() -> None:
-    assert brow_strands(PLAIN, np.random.default_rng(0)).shape == (420, 4, 2)
+    assert _brow_strands(PLAIN, np.random.default_rng(0)).shape == (420, 4, 2)
 
 
 @pytest.mark.parametrize("masculinity", [0.0, 0.5, 1.0])
@@ -80,7 +80,7 @@ def test_womens_brows_are_thinner_higher_and_more_arched_than_mens() -> None:
 def test_brows_keep_away_from_the_upper_lid_and_from_the_forehead(masculinity: float) -> None:
     along = np.linspace(0, 1, 101)
     for brows in _sample(masculinity):
-        line, thickness = brow_line(brows, along), brow_thickness(brows, along)
+        line, thickness = _brow_line(brows, along), _brow_thickness(brows, along)
         over_pupil = np.abs(line[:, 0] - 32.0).argmin()
         assert line[over_pupil, 1] - thickness[over_pupil] / 2 > 7.0  # the lid is at 4
         assert line[over_pupil, 1] + thickness[over_pupil] / 2 < 32.0
@@ -88,14 +88,14 @@ def test_brows_keep_away_from_the_upper_lid_and_from_the_forehead(masculinity: f
 
 def test_the_line_runs_from_nose_to_temple_and_peaks_where_told() -> None:
     along = np.linspace(0, 1, 401)
-    line = brow_line(PLAIN, along)
+    line = _brow_line(PLAIN, along)
     assert line[0, 0] == 12.0
     assert line[-1, 0] == 50.0
     assert along[line[:, 1].argmax()] == pytest.approx(0.6, abs=0.01)
 
 
 def test_the_brow_tapers_to_a_tip() -> None:
-    thickness = brow_thickness(PLAIN, np.array([0.25, 0.6, 0.9, 1.0]))
+    thickness = _brow_thickness(PLAIN, np.array([0.25, 0.6, 0.9, 1.0]))
     assert thickness[0] == pytest.approx(4.2)
     assert (np.diff(thickness) < 0).all()
     assert thickness[-1] == pytest.approx(0.42)
@@ -121,13 +121,13 @@ def test_denser_and_thicker_brows_cover_more() -> None:
 def test_no_tail_ends_far_above_the_head_and_few_brows_meet() -> None:
     rng = np.random.default_rng(3)
     drawn = [eyebrows.sample_brows(rng, masculinity=m) for m in np.tile([0.1, 0.9], 500)]
-    ends = np.array([brow_line(brows, np.array([0.0, 1.0]))[:, 1] for brows in drawn])
+    ends = np.array([_brow_line(brows, np.array([0.0, 1.0]))[:, 1] for brows in drawn])
     assert (ends[:, 1] - ends[:, 0] < 2.0).all()
     assert 0.0 < np.mean([brows["bridge"] > 0 for brows in drawn]) < 0.03
 
 
 def test_hairs_stand_up_at_the_nose_and_lie_down_towards_the_temple() -> None:
-    hairs = brow_strands(PLAIN, np.random.default_rng(0))
+    hairs = _brow_strands(PLAIN, np.random.default_rng(0))
     move = hairs[:, -1] - hairs[:, 0]
     steep = np.abs(np.arctan2(move[:, 1], move[:, 0]))
     head, tail = hairs[:, 0, 0] < 16, hairs[:, 0, 0] > 40

@@ -7,7 +7,7 @@ from lrsr.identities.morphable import sample_head
 from lrsr.identities.person import describe
 from lrsr.identities.population import Population
 from lrsr.identities.skin.complexion import (
-    BLOOD_LIMITS,
+    _BLOOD_LIMITS,
     MELANIN_LIMITS,
     sample_complexion,
 )
@@ -46,8 +46,8 @@ def test_cheeks_are_as_light_as_those_of_people(
 def test_blood_keeps_within_its_limits() -> None:
     rng = np.random.default_rng(0)
     drawn = [sample_complexion(rng, age=0.3, ancestry=(0, 0, 1))["blood"] for _ in range(400)]
-    assert min(drawn) >= BLOOD_LIMITS[0]
-    assert max(drawn) <= BLOOD_LIMITS[1]
+    assert min(drawn) >= _BLOOD_LIMITS[0]
+    assert max(drawn) <= _BLOOD_LIMITS[1]
     assert np.median(drawn) == pytest.approx(0.022, rel=0.1)
 
 

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.identities.morphable import position_map
+from lrsr.identities.morphable import _position_map
 from lrsr.identities.shape.position_map import PositionMap
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.grain import (
-    FULL_TEXTURE,
-    TILE_TEXELS,
+    _FULL_TEXTURE,
+    _TILE_TEXELS,
     Grain,
     GrainMaps,
     GrainPainter,
-    Tiles,
+    _Tiles,
+    _tiles,
     sample_grain,
-    tiles,
 )
 from lrsr.identities.skin.layout import Layout
 
@@ -38,7 +38,7 @@ AMOUNTS = ("pore_depth_mm", "crease_mm", "bump_mm", "lip_furrow_mm")
 
 @lru_cache
 def _layout() -> Layout:
-    return Layout(position_map(SIZE))
+    return Layout(_position_map(SIZE))
 
 
 @lru_cache
@@ -55,7 +55,7 @@ def _sample(seed: int = 0, *, masculinity: float = 0.5, age: float = 0.3) -> Gra
 
 
 def _near(x: float, y: float, radius_mm: float) -> NDArray[np.bool_]:
-    points, mask = position_map(SIZE)
+    points, mask = _position_map(SIZE)
     near = np.hypot(points[..., 0] - x, points[..., 1] - y) < radius_mm
     return near & mask & (points[..., 2] > -50)
 
@@ -97,14 +97,14 @@ def test_a_sample_survives_json() -> None:
     assert json.loads(json.dumps(_sample())) == _sample()
 
 
-@pytest.mark.parametrize("size", [64, 256, FULL_TEXTURE])
+@pytest.mark.parametrize("size", [64, 256, _FULL_TEXTURE])
 def test_tiles_are_half_the_texture(size: int) -> None:
-    assert [tile.shape for tile in tiles(size)] == [(size // 2, size // 2)] * 5
-    assert all(tile.dtype == np.float32 for tile in tiles(size))
+    assert [tile.shape for tile in _tiles(size)] == [(size // 2, size // 2)] * 5
+    assert all(tile.dtype == np.float32 for tile in _tiles(size))
 
 
 def test_tiles_are_what_their_names_say() -> None:
-    full = tiles(FULL_TEXTURE)
+    full = _tiles(_FULL_TEXTURE)
     for pores in (full.fine_pores, full.coarse_pores):
         assert pores.min() == pytest.approx(-1.0, abs=0.01)
         assert pores.max() == pytest.approx(0.0, abs=0.01)
@@ -114,25 +114,25 @@ def test_tiles_are_what_their_names_say() -> None:
         assert even.std() == pytest.approx(1.0, abs=0.01)
 
 
-@pytest.mark.parametrize("name", Tiles._fields)
+@pytest.mark.parametrize("name", _Tiles._fields)
 def test_a_tile_goes_on_beyond_its_edge(name: str) -> None:
-    tile = getattr(tiles(FULL_TEXTURE), name)
+    tile = getattr(_tiles(_FULL_TEXTURE), name)
     for axis in (0, 1):
         steps = np.abs(np.diff(tile, axis=axis, append=tile.take([0], axis)))
-        over_edge = steps.take(TILE_TEXELS - 1, axis).mean()
+        over_edge = steps.take(_TILE_TEXELS - 1, axis).mean()
         assert over_edge == pytest.approx(steps.mean(), rel=0.25)
 
 
 def test_a_coarser_texture_has_the_averages() -> None:
-    blocks = tiles(FULL_TEXTURE).creases.reshape(128, 4, 128, 4).mean(axis=(1, 3))
-    np.testing.assert_allclose(tiles(FULL_TEXTURE // 4).creases, blocks, atol=1e-5)
+    blocks = _tiles(_FULL_TEXTURE).creases.reshape(128, 4, 128, 4).mean(axis=(1, 3))
+    np.testing.assert_allclose(_tiles(_FULL_TEXTURE // 4).creases, blocks, atol=1e-5)
 
 
 def test_tiles_are_drawn_once_and_cannot_be_spoilt() -> None:
-    assert tiles(128) is tiles(128)
-    for size in (128, FULL_TEXTURE):
+    assert _tiles(128) is _tiles(128)
+    for size in (128, _FULL_TEXTURE):
         with pytest.raises(ValueError, match="read-only"):
-            tiles(size).creases[0, 0] = 1.0
+            _tiles(size).creases[0, 0] = 1.0
 
 
 def test_maps_cover_the_texture() -> None:
@@ -193,13 +193,13 @@ def test_everyone_lies_elsewhere_on_the_tiles() -> None:
 
 @pytest.mark.parametrize("size", [64, 128])
 def test_a_small_texture_has_its_grain_too(size: int) -> None:
-    maps = GrainPainter(Layout(position_map(size))).paint(_sample())
+    maps = GrainPainter(Layout(_position_map(size))).paint(_sample())
     assert maps.height.shape == (size, size)
     assert maps.height.any()
 
 
 def test_a_layout_without_lips_has_no_furrows() -> None:
-    points, mask = position_map(64)
+    points, mask = _position_map(64)
     above: FloatMap = np.asarray(cv2.add(points, (0.0, 300.0, 0.0, 0.0)))
     layout = Layout(PositionMap(above, mask))
     assert not layout.lips.any()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lrsr.identities.skin.canvas import Canvas, FloatMap
-from lrsr.identities.skin.lines import Engraving, draw_lines, sample_lines
+from lrsr.identities.skin.lines import _Engraving, draw_lines, sample_lines
 
 FACE = Canvas(left_mm=-84.0, top_mm=100.0, width_mm=168.0, height_mm=230.0, pixel_mm=0.4)
 SMOOTH = {
@@ -31,7 +31,7 @@ def _row(y: float) -> int:
 def _carved(
     begin_mm: float, end_mm: float, y_mm: float, depth_mm: float, width_mm: float
 ) -> FloatMap:
-    cuts = Engraving(FACE)
+    cuts = _Engraving(FACE)
     middle = (begin_mm + end_mm) / 2
     cuts.carve([(begin_mm, y_mm), (middle, y_mm), (end_mm, y_mm)], depth_mm, width_mm)
     return cuts.heights()

@@ -16,7 +16,7 @@ def _at(function: Callable[[FloatMap], FloatMap], *points: tuple[float, float, f
 
 @pytest.mark.parametrize(
     ("outline", "within_mm"),
-    [(regions.lip_outline(), 0.6), (regions.lid_rim(-1), 0.8), (regions.lid_rim(1), 0.8)],
+    [(regions._lip_outline(), 0.6), (regions._lid_rim(-1), 0.8), (regions._lid_rim(1), 0.8)],
     ids=["lips", "right eye", "left eye"],
 )
 def test_outlines_lie_on_the_template(outline: NDArray[np.float64], within_mm: float) -> None:
@@ -28,7 +28,7 @@ def test_outlines_lie_on_the_template(outline: NDArray[np.float64], within_mm: f
 
 def test_the_lids_close_around_the_templates_pupils() -> None:
     for side, pupil in ((-1, template().eyes.pupils[0]), (1, template().eyes.pupils[1])):
-        rim = regions.lid_rim(side)
+        rim = regions._lid_rim(side)
         assert rim[:, 0].min() < pupil[0] < rim[:, 0].max()
         assert rim[:, 1].min() < pupil[1] < rim[:, 1].max()
 

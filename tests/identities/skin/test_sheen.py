@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
-from lrsr.identities.morphable import position_map
+from lrsr.identities.morphable import _position_map
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.layout import Layout
-from lrsr.identities.skin.sheen import ROUGHNESS_LIMITS, Sheen, SheenPainter, sample_sheen
+from lrsr.identities.skin.sheen import _ROUGHNESS_LIMITS, Sheen, SheenPainter, sample_sheen
 
 SIZE = 128
 EVEN: Sheen = {"roughness": 0.5, "t_zone": 0.0, "lips": 0.0, "patchiness": 0.0}
@@ -25,7 +25,7 @@ NOSE, SIDE, LIP = (0.0, -40.0), (60.0, -60.0), (0.0, -80.0)
 
 @lru_cache
 def _layout() -> Layout:
-    return Layout(position_map(SIZE))
+    return Layout(_position_map(SIZE))
 
 
 @lru_cache
@@ -39,7 +39,7 @@ def _paint(seed: int = 0, **changes: float) -> FloatMap:
 
 
 def _at(roughness: FloatMap, place: tuple[float, float]) -> float:
-    points, mask = position_map(SIZE)
+    points, mask = _position_map(SIZE)
     near = np.linalg.norm(points[..., :2] - np.array(place), axis=-1) < 4.0
     return float(roughness[near & mask & (points[..., 2] > -60)].mean())
 
@@ -56,7 +56,7 @@ def _sample(seed: int = 0, age: float = 0.3) -> Sheen:
 @pytest.mark.parametrize("age", [0.0, 1.0], ids=["young", "old"])
 def test_skin_is_within_the_limits_and_noses_and_lips_are_glossier(age: float) -> None:
     people = [_sample(seed, age) for seed in range(200)]
-    low, high = ROUGHNESS_LIMITS
+    low, high = _ROUGHNESS_LIMITS
     assert all(low < person["roughness"] < high for person in people)
     assert all(person["t_zone"] <= 0 and person["lips"] <= 0 for person in people)
     assert all(0 < person["patchiness"] < 0.1 for person in people)
@@ -100,8 +100,8 @@ def test_a_map_is_as_large_as_the_lips() -> None:
 )
 def test_no_texel_leaves_the_limits(extreme: dict[str, float]) -> None:
     roughness = _paint(**extreme)
-    assert roughness.min() >= np.float32(ROUGHNESS_LIMITS[0])
-    assert roughness.max() <= np.float32(ROUGHNESS_LIMITS[1])
+    assert roughness.min() >= np.float32(_ROUGHNESS_LIMITS[0])
+    assert roughness.max() <= np.float32(_ROUGHNESS_LIMITS[1])
 
 
 def test_the_nose_has_the_level_that_was_asked_for() -> None:
@@ -131,7 +131,7 @@ def test_forehead_and_nose_shine_and_the_chin_does_not() -> None:
 def test_nobody_is_wet_or_chalk() -> None:
     rng, painter = np.random.default_rng(0), _painter_of_points()
     people = [painter.paint(sample_sheen(rng, age=k / 99), rng) for k in range(100)]
-    low, high = np.float32(ROUGHNESS_LIMITS)
+    low, high = np.float32(_ROUGHNESS_LIMITS)
     assert low <= np.min(people) < np.max(people) <= high
     assert np.std([person[0, 0] for person in people]) > 0.03
 
