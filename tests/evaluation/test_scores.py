@@ -108,7 +108,7 @@ def test_identities_of_any_origin_are_the_same_people(ids: Any) -> None:
     assert Scores(np.eye(2), ids, ["1", "2"]).genuine().tolist() == [1, 1]
 
 
-@pytest.mark.parametrize("ids", [None, 7, {"a", "b"}], ids=repr)
+@pytest.mark.parametrize("ids", [None, 7, {"a", "b"}], ids=["none", "number", "set"])
 def test_identities_have_an_order(ids: Any) -> None:
     with pytest.raises(ScoreError, match=r"gallery_ids are .*: give a list"):
         Scores(np.eye(2), ["a", "b"], ids)
