@@ -32,6 +32,7 @@ COMMANDS = {
     "render-spectral": ["camera=nikon_d5100", "out=pictures"],
     "eval": ["options=[1,6]"],
     "identities": [],
+    "identities-export": ["export=meshes"],
     "fit-camera": ["images=."],
     "train-srcnn": ["train=srcnn4x"],
     "train-edsr": ["train=edsr2x", "module.arguments.blocks=1", "module.arguments.features=8"],
@@ -43,7 +44,14 @@ UNREAD = {
     "render": {"gallery", "paths.run", "paths.runs"},  # of kind=probe; it writes into out
     "render-lens": {"gallery", "paths.run", "paths.runs"},
     "render-spectral": {"gallery"},
-    "render-gallery": {"pose", "lighting", "expression", "ipd_px", "compression"},
+    "render-gallery": {
+        *("pose", "lighting", "expression", "another_day", "ipd_px", "compression"),
+    },
+    "identities": {"pose", "lighting", "expression", "another_day", "ipd_px", "export"},
+    "identities-export": {
+        *("gallery", "recognition", "encoder", "smallest_angle_deg", "most_redraws"),
+        *("paths.run", "paths.runs"),  # it writes into export
+    },
     "fit-camera": {"camera"},  # when the pictures were read
 }
 OF_OTHERS = {
@@ -79,6 +87,7 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         "calibration.from_pictures.fit_to_folder",
         "experiments.verification.Verification.run",
         "experiments.people.Uniqueness.run",
+        "pictures.export.export_to_folder",
     ):
         monkeypatch.setattr(f"lrsr.{last}", stop)
     monkeypatch.setattr("lrsr.training.run.train", stop_at_the_trainer)

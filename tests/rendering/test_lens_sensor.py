@@ -295,13 +295,13 @@ SPECTRAL = """
 import sys
 import numpy as np
 from oracles.heads import stand_in
-from lrsr.rendering.backend import start
+from lrsr.rendering.backend import _start
 from fakes.scenes import Studio
 from lrsr.presets import preset
 from lrsr.rendering.lens_sensor import lens_sensor
 from lrsr.rendering.mounted_lens import mount
 
-mi = start()
+mi = _start()
 mounted = mount(preset("lens", "single"), 3.0, 1100.0, 0.5)
 sensor = lens_sensor(mounted, np.eye(4), 0.1, 16, 16, disperse=False)
 position, aperture = np.random.default_rng(0).uniform(size=(2, 300, 2))

@@ -46,7 +46,7 @@ def test_the_name_is_not_in_the_key() -> None:
         ({"model": "wax"}, r"skin\.model=wax: wanted one of reflective"),
         ({"fixed": "nothing"}, r"skin\.fixed=nothing: wanted one of"),
         ({"absorption_per_mm": (-1, 0, 0)}, "three numbers >= 0"),
-        ({"scattering_per_mm": (1, 1)}, "three numbers > 0"),
+        ({"scattering_per_mm": (1, 1)}, "three numbers, e.g."),
         ({"scattering_per_mm": (1, 1, float("inf"))}, r"skin\.scattering_per_mm=inf: wanted"),
         ({"refractive_index": 1}, "a number > 1"),
         ({"refractive_index": 3}, r"skin\.refractive_index=3.0: wanted"),

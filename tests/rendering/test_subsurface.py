@@ -149,7 +149,7 @@ def test_without_a_compiler_skin_is_reflective_and_that_is_said_once(
 def test_a_spectral_variant_sees_the_same_grey(renderer: Studio, tmp_path: Path) -> None:
     """Another variant needs a process of its own."""
     code = (
-        "from lrsr.rendering.backend import start; mi = start();"
+        "from lrsr.rendering.backend import _start; mi = _start();"
         "mi.set_variant('llvm_ad_spectral');"
         "import sys, numpy as np; from oracles.translucent import mean_of_ball;"
         "np.save(sys.argv[1], mean_of_ball(0.4, samples=128, runs=2)[0])"

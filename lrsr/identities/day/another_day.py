@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator, SeedSequence
 
-from lrsr.configuration import as_number, as_whole, require
+from lrsr.configuration import as_number, as_whole, as_word, require
 
 _CHANCES = ("hair", "stubble", "make_up", "glasses", "cap", "face_mask")
 _SPANS = {"greyer": (0.0, 1.0), "tan": (-1.0, 1.0), "weight": (0.0, 0.6), "years": (0.0, 20.0)}
@@ -67,6 +67,7 @@ class AnotherDay:
     years: Span = NOTHING
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", as_word(self.name, "another_day.name"))
         day = as_whole(self.day, "another_day.day")
         require(1 <= day <= _LATEST_DAY, "another_day.day", day, f"1 to {_LATEST_DAY}")
         object.__setattr__(self, "day", day)
