@@ -89,9 +89,7 @@ def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
     lock: int | None = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-        temporary.touch(exist_ok=False)
-        lock = _lock(temporary)
+        temporary, lock = _locked_part(path)
         yield temporary
         if durable:
             with temporary.open("rb") as written:
@@ -107,6 +105,18 @@ def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
         if lock is not None:
             os.close(lock)
+
+
+def _locked_part(path: Path) -> tuple[Path, int]:
+    """Make and lock an empty file beside ``path``; where a sweep came between, another one."""
+    while True:
+        part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+        handle = os.open(part, os.O_CREAT | os.O_EXCL | os.O_RDONLY, 0o666)
+        with suppress(OSError):  # a disk without locks is never swept
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        if part.exists():
+            return part, handle
+        os.close(handle)
 
 
 def sweep(folder: Path) -> int:
