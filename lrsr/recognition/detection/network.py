@@ -14,7 +14,7 @@ from lrsr.recognition.detection.faces import Array, Detection
 _PIXELS = 1 << 21
 """Of all images that go through the network together."""
 
-_NAMES_PIXELS = ("scrfd", "retinaface_deepface")
+_INCLUSIVE = ("scrfd", "retinaface_deepface")
 """Kinds whose suppression counts a box's last pixel as part of it."""
 
 
@@ -41,7 +41,8 @@ class Network:
         inputs = self._session.get_inputs()
         place = 1 if contract.layout == "NCHW" else 3
         shape = inputs[0].shape
-        if len(inputs) != 1 or len(shape) != 4 or shape[place] not in (3, None, str(shape[place])):
+        fixed = len(shape) == 4 and isinstance(shape[place], int)
+        if len(inputs) != 1 or len(shape) != 4 or (fixed and shape[place] != 3):
             raise InputError(
                 f"{model}: takes {[one.shape for one in inputs]}, its contract says one input of"
                 f" {contract.layout}; mend the contract or give the model it was written for"
@@ -67,7 +68,7 @@ class Network:
             candidates = decode(contract, lists, height, width)
         except InputError as error:
             raise InputError(f"{self.model}: {error}") from error
-        inclusive = contract.kind in _NAMES_PIXELS
+        inclusive = contract.kind in _INCLUSIVE
         return candidates.kept(score_threshold, contract.nms_iou, inclusive=inclusive)
 
     def _normalise(self, srgb: torch.Tensor) -> Array:
