@@ -18,7 +18,7 @@
     dimension = 128
 
     [alignment]
-    template = "arcface5"       # the only one so far
+    template = "arcface5"       # or "eyes" or "deepface"
     antialias = true            # average when the face is made smaller; insightface does not
 
 The numbers that the graph states too (sizes, dimension) must agree with it; what it cannot state
@@ -31,7 +31,7 @@ from pathlib import Path
 
 from lrsr.errors import InputError
 from lrsr.onnx import contract_path, read_declared
-from lrsr.recognition.alignment import CROP_PX
+from lrsr.recognition.alignment import CROP_PX, TEMPLATES
 
 _TABLES = {
     "": ("sha256", "licence", "source"),
@@ -44,7 +44,7 @@ _CHOICES = {
     "input.channels": ("RGB", "BGR"),
     "input.height_px": (CROP_PX,),
     "input.width_px": (CROP_PX,),
-    "alignment.template": ("arcface5",),
+    "alignment.template": TEMPLATES,
 }
 
 

@@ -17,7 +17,7 @@ class Detection:
         box_px: ``(4,)`` left, top, right, bottom, px.
         score: How sure the detector is, [0, 1].
         landmarks_px: ``(5, 2)`` (x, y) of the eye on the left of the picture, the one on its right,
-            nose, left and right corner of the mouth, px; NaN from a detector that finds boxes alone.
+            nose, left and right corner of the mouth, px; NaN where only boxes are found.
     """
 
     box_px: Array

@@ -38,7 +38,9 @@ def test_nothing_to_suppress_is_no_error() -> None:
 
 def test_the_least_score_is_a_face() -> None:
     candidates = Candidates(
-        np.array([[0.5, 0.4999]]), np.array([[[0, 0, 9, 9], [50, 0, 59, 9]]]), np.zeros((1, 2, 5, 2))
+        np.array([[0.5, 0.4999]]),
+        np.array([[[0, 0, 9, 9], [50, 0, 59, 9]]]),
+        np.zeros((1, 2, 5, 2)),
     )
     ((face,),) = candidates.kept(0.5, 0.4, inclusive=False)
     assert face.score == 0.5
