@@ -1,7 +1,7 @@
 """What is asked of a verification experiment? Who, how pictured, how enlarged, how sure."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -23,6 +23,7 @@ from lrsr.paths import path_if_any
 from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality
 from lrsr.pictures.source import Photographs, read_photographs
 from lrsr.presets import build, preset, presets, value_of
+from lrsr.recognition.settings import RecognitionSettings
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.sr.upscaler import Upscaler
 
@@ -92,7 +93,7 @@ class Design:
         camera: Takes the probes, with the condition's compression; all other pictures are taken by
             the reference camera, with the same exposure and without compression.
         level: Of every interval, between 0 and 1.
-        model: ONNX embedder with its contract beside it; None: the one that ships.
+        recognition: How faces are found, aligned and embedded.
         probes_folder: Photographs in place of rendered probes, under the one condition given.
         gallery_folder: Photographs in place of rendered enrolled pictures.
 
@@ -111,7 +112,7 @@ class Design:
     gallery: Sitting
     camera: Camera
     level: float = 0.95
-    model: Path | None = None
+    recognition: RecognitionSettings = field(default_factory=RecognitionSettings)
     probes_folder: Path | None = None
     gallery_folder: Path | None = None
 
@@ -133,8 +134,6 @@ class Design:
         Raises:
             InputError: A value is wrong; the message names the setting and the remedy.
         """
-        landmarks = config.recognition.landmarks
-        require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
         conditions, probes = _conditions(config), path_if_any(config.probes.folder, "probes.folder")
         if probes is not None:
             conditions = (_condition_of(read_photographs(probes, "probe")),)
@@ -149,7 +148,7 @@ class Design:
             gallery=read_gallery(config),
             camera=build(config.camera, "camera"),
             level=number(config, "level"),
-            model=path_if_any(config.recognition.model, "recognition.model"),
+            recognition=RecognitionSettings.from_config(config),
             probes_folder=probes,
             gallery_folder=path_if_any(config.gallery.folder, "gallery.folder"),
         )

@@ -26,7 +26,6 @@ from lrsr.evaluation.distinctness import (
 )
 from lrsr.identities.person import Traits
 from lrsr.identities.roster import Roster
-from lrsr.paths import path_if_any
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.picture import stack
@@ -35,6 +34,7 @@ from lrsr.pictures.sitting import Sitting, read_gallery
 from lrsr.pictures.source import Rendered, chunks, render_sources
 from lrsr.presets import build
 from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
+from lrsr.recognition.settings import RecognitionSettings
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -84,8 +84,9 @@ class UniquenessSettings:
         Raises:
             InputError: A value is out of range, or dlib is asked for and not installed.
         """
-        landmarks = config.recognition.landmarks
-        require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
+        recognition = RecognitionSettings.from_config(config)
+        known = recognition.landmarks == ("shared",)
+        require(known, "recognition.landmarks", config.recognition.landmarks, "shared")
         encoder = resolve_encoder(str(config.encoder))
         given = config.smallest_angle_deg is not None
         least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
@@ -95,7 +96,7 @@ class UniquenessSettings:
             smallest_angle_deg=least,
             most_redraws=whole_number(config, "most_redraws"),
             camera=build(config.camera, "camera"),
-            model=path_if_any(config.recognition.model, "recognition.model"),
+            model=recognition.model,
         )
 
 

@@ -48,7 +48,7 @@ _EYES_PX = np.column_stack([TEMPLATE_PX[:2, 0], np.full(2, TEMPLATE_PX[:2, 1].me
 """Where ``eyes`` wants them: ArcFace's columns, in its mean row, so level."""
 
 _BOX_IPDS = np.array([[-1.05, -0.99], [1.05, 1.71]])
-"""A detector's box about the middle of the eyes, in distances of the eyes: left top, right bottom."""
+"""Where detectors draw a box about the middle of the eyes, in distances of these."""
 
 
 def read_landmarks(landmarks_px: ArrayLike, count: int | None = None) -> NDArray[np.float64]:
@@ -253,15 +253,16 @@ def landmark_errors(found_px: ArrayLike, true_px: ArrayLike) -> NDArray[np.float
     """
     found, true = read_landmarks(found_px), read_landmarks(true_px)
     eyes_px = np.linalg.norm(true[:, 1] - true[:, 0], axis=-1)
-    distances: NDArray[np.float64] = np.linalg.norm(found - true, axis=-1).mean(axis=1)
-    return distances / eyes_px
+    errors: NDArray[np.float64] = np.linalg.norm(found - true, axis=-1).mean(axis=1) / eyes_px
+    return errors
 
 
 def _boxes_about(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return ``(B, 4)`` boxes about eyes ``(B, 5, 2)``."""
     eyes_px = np.linalg.norm(points[:, 1] - points[:, 0], axis=-1)
-    corners = points[:, None, :2].mean(axis=2) + eyes_px[:, None, None] * _BOX_IPDS
-    return corners.reshape(-1, 4)
+    middle = points[:, :2].mean(axis=1, keepdims=True)
+    boxes: NDArray[np.float64] = (middle + eyes_px[:, None, None] * _BOX_IPDS).reshape(-1, 4)
+    return boxes
 
 
 def _levels(srgb: torch.Tensor) -> Levels:

@@ -30,8 +30,9 @@ def cut_face(
     height, width = levels.shape[:2]
     down, across = height // 2, width // 2
     picture = np.pad(levels, ((down, down), (across, across), (0, 0)))
-    corners = (box_px.reshape(2, 2) + [across, down]).astype(int)  # towards zero, as int() does
-    eyes = (eyes_px + [across, down]).astype(int)
+    border = np.array([across, down])
+    corners = (box_px.reshape(2, 2) + border).astype(int)  # towards zero, as int() does
+    eyes = (eyes_px + border).astype(int)
     left, top, right, bottom = (
         corners.clip(0, [picture.shape[1], picture.shape[0]]).ravel().tolist()
     )

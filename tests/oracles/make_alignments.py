@@ -47,10 +47,9 @@ def insightface() -> dict[str, Any]:
 
 def deepface() -> dict[str, Any]:
     """The face that extract_faces returns where RetinaFace says what CASES says, and at 112 px."""
+    from deepface.models.face_detection.RetinaFace import RetinaFaceClient, rf
     from deepface.modules import detection, modeling
     from deepface.modules.preprocessing import resize_image
-
-    from deepface.models.face_detection.RetinaFace import RetinaFaceClient, rf
 
     faces = {}
     client = RetinaFaceClient.__new__(RetinaFaceClient)
@@ -61,7 +60,7 @@ def deepface() -> dict[str, Any]:
         border = np.array([36 // 2, 40 // 2])
         found = {
             "score": 1.0,
-            "facial_area": list((np.array(box) + [*border, *border]).astype(int)),
+            "facial_area": list((np.array(box) + np.tile(border, 2)).astype(int)),
             "landmarks": {
                 k: list(np.array(p) + border) for k, p in zip(order, points, strict=True)
             },

@@ -269,7 +269,7 @@ def test_a_whole_picture_stands_for_a_face() -> None:
 
 
 def test_errors_are_counted_in_distances_of_the_true_eyes() -> None:
-    found = np.stack([TEMPLATE_PX + [3, 4], TEMPLATE_PX, np.full((5, 2), np.nan)])
+    found = np.stack([TEMPLATE_PX + np.array([3, 4]), TEMPLATE_PX, np.full((5, 2), np.nan)])
     ipd_px = np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0])
     errors = landmark_errors(found, np.stack([TEMPLATE_PX] * 3))
     np.testing.assert_allclose(errors, [5 / ipd_px, 0, np.nan])

@@ -17,6 +17,8 @@ _Records = Sequence[Mapping[str, Any]]
 def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
     """Return each row with what the template prints besides: condition, interval, tests.
 
+    Where landmarks come from several sources, these are part of the condition.
+
     Args:
         rows: Lines of the table, as of :func:`lrsr.experiments.table.evaluate`.
         comparisons: Its paired tests; each is found again in the line of its method. Those that
@@ -32,13 +34,17 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
             "p": _format_p(test["p"], test["log10_p"]),
             "remains": p_holm < 0.05,
         }
-    return [_line(row, tests.get(_place(row), {})) for row in rows]
+    several = len({row["landmarks"] for row in rows}) > 1
+    return [_line(row, tests.get(_place(row), {}), several) for row in rows]
 
 
 def best_methods(lines: _Records) -> Iterator[str]:
     """Yield a sentence for each condition of :func:`report_lines`: who is best, by how much."""
     for condition in dict.fromkeys(line["condition"] for line in lines):
-        here = [line for line in lines if line["condition"] == condition]
+        here = [line for line in lines if line["condition"] == condition and line["measured"]]
+        if not here:
+            yield f"{condition}: too few faces were found to measure anything."
+            continue
         top = max(line["auc"] for line in here)
         best = [line for line in here if line["auc"] == top]
         if len(here) == 1:
@@ -82,20 +88,24 @@ def _format_p(p: float, log10_p: float | None = None) -> str:
 
 
 def _place(record: Mapping[str, Any]) -> tuple[object, ...]:
-    return record["option"], record["ipd_px"], record["method"]
+    return record["option"], record["ipd_px"], record["landmarks"], record["method"]
 
 
-def _line(row: Mapping[str, Any], tests: Mapping[str, Any]) -> dict[str, Any]:
-    low, high = row["low"], row["high"]
+def _line(row: Mapping[str, Any], tests: Mapping[str, Any], several: bool) -> dict[str, Any]:
+    low, high, measured = row["low"], row["high"], row["auc"] is not None
     degenerate = row["std"] == 0
-    cut = not degenerate and (low <= 0 or high >= 1) and row["logit_low"] is not None
+    outside = measured and (low <= 0 or high >= 1)
+    cut = not degenerate and outside and row["logit_low"] is not None
     if cut:
         low, high = row["logit_low"], row["logit_high"]
     size = "" if row["ipd_px"] is None else f", IPD {row['ipd_px']:g} px"
+    source = f", {row['landmarks']} landmarks" if several else ""
+    exact = degenerate or not measured
     return {
         **row,
-        "condition": f"Option {row['option']}{size}",
-        "interval": "no interval" if degenerate else f"{low:.3f} – {high:.3f}",
+        "condition": f"Option {row['option']}{size}{source}",
+        "measured": measured,
+        "interval": "no interval" if exact else f"{low:.3f} – {high:.3f}",
         "low": low,
         "high": high,
         "cut": cut,
