@@ -47,8 +47,9 @@ TEMPLATE_PX: NDArray[np.float64] = np.array(
 _EYES_PX = np.column_stack([TEMPLATE_PX[:2, 0], np.full(2, TEMPLATE_PX[:2, 1].mean())])
 """Where ``eyes`` wants them: ArcFace's columns, in its mean row, so level."""
 
-_BOX_IPDS = np.array([[-1.05, -0.99], [1.05, 1.71]])
-"""Where detectors draw a box about the middle of the eyes, in distances of these."""
+_BOX_IPDS = np.array([[-1.06, -1.22], [1.06, 1.93]])
+"""Left top, right bottom of a box from the middle of the eyes, in distances of these: the median of
+the shipped detector's on 20 rendered faces."""
 
 
 def read_landmarks(landmarks_px: ArrayLike, count: int | None = None) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Landmarks = Literal["shared", "own"]
 """The true ones, scaled, for all methods; or a detector's on each method's own picture."""
 
-LANDMARKS: tuple[Landmarks, ...] = get_args(Landmarks)
+_LANDMARKS: tuple[Landmarks, ...] = get_args(Landmarks)
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class RecognitionSettings:
         """
         given = config.recognition
         landmarks = as_word(given.landmarks, "recognition.landmarks")
-        _choose("landmarks", landmarks, (*LANDMARKS, "both"))
+        _choose("landmarks", landmarks, (*_LANDMARKS, "both"))
         threshold, alignment = given.score_threshold, given.alignment
         if alignment is not None:
             _choose("alignment", alignment, TEMPLATES)
@@ -62,7 +62,7 @@ class RecognitionSettings:
             _choose("enlargement", name, tuple(vars(Enlargement())))
         return cls(
             model=path_if_any(given.model, "recognition.model"),
-            landmarks=LANDMARKS if landmarks == "both" else (cast("Landmarks", landmarks),),
+            landmarks=_LANDMARKS if landmarks == "both" else (cast("Landmarks", landmarks),),
             detector=path_if_any(given.detector, "recognition.detector"),
             enlargement=Enlargement(**rule),
             score_threshold=(

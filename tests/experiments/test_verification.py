@@ -12,6 +12,7 @@ from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.sitting import Sitting
 from lrsr.presets import preset
+from lrsr.recognition.settings import RecognitionSettings
 from lrsr.rendering.scene import Film, Quality, Scene
 
 PEOPLE, QUALITY = IdentityRange(count=8), Quality(samples_per_pixel=4, texture_size=64)
@@ -31,7 +32,7 @@ def run(folder: Path, model: Path) -> Path:
         gallery=Sitting(PEOPLE, FRONTAL, Film(16.0), QUALITY, "gallery", 5),
         camera=Camera(),
         level=0.9,
-        model=model,
+        recognition=RecognitionSettings(model=model),
     )
     cache = RenderCache(folder / "cache")
     return design.run(folder / "run", cache, maker=PaintedMaker(), progress=False)
