@@ -87,6 +87,8 @@ class UniquenessSettings:
         recognition = RecognitionSettings.from_config(config)
         known = recognition.landmarks == ("shared",)
         require(known, "recognition.landmarks", config.recognition.landmarks, "shared")
+        alone = recognition == RecognitionSettings(recognition.model)
+        require(alone, "recognition", "...", "recognition.model alone: nothing else is read")
         encoder = resolve_encoder(str(config.encoder))
         given = config.smallest_angle_deg is not None
         least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
