@@ -1,10 +1,11 @@
 """How is a tiny picture made large enough for a detector to see the face on it?
 
 Of 20 rendered faces with 8 px between the eyes the shipped RetinaFace finds 7, and from twice to
-eight times larger all of them, the landmarks 0.09 distances of the eyes off. So a picture gets a border of its own edge pixels (a black one costs detections) and is
-enlarged bicubically (:func:`lrsr.images.resize_bicubic`), by a whole factor: a portrait, whose size
-says how large its face is, until its shorter side is long enough; a frame on which faces are known
-to be small, until these are.
+eight times larger all of them, the landmarks 0.09 distances of the eyes off. So a picture gets a
+border of its own edge pixels (a black one costs detections) and is enlarged bicubically
+(:func:`lrsr.images.resize_bicubic`), by a whole factor: a portrait, whose size says how large its
+face is, until its shorter side is long enough; a frame on which faces are known to be small, until
+these are.
 """
 
 import math
