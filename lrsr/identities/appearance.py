@@ -167,7 +167,7 @@ class SkinPainter:
         beard = self._features.paint_beard(albedo, appearance["beard"], hair, of_beard)
         self._features.paint_brows(albedo, appearance["brows"], hair, of_brows)
         np.clip(albedo, 0.0, 1.0, out=albedo)
-        roughness = self._sheen.paint(appearance["sheen"], of_sheen)
+        roughness = self._sheen.paint(appearance["sheen"], appearance["beard"], of_sheen)
         grooves = regions.FACE.sample(coarse, self._vertex_pixels) * self._vertex_front
         displacement = np.asarray(grooves + beard, dtype=np.float32)
         return SkinMaps(albedo, grain.height, roughness, displacement)

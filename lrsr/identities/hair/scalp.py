@@ -105,14 +105,14 @@ class Scalp:
             seed: Of the ragged edge.
 
         Returns:
-            ``(H, W)`` float32, 0 = bare skin, 1 = all hair; fades over about 8 mm in strokes.
+            ``(H, W)`` float32, 0 = bare skin, 1 = all hair; fades over about 15 mm in strokes.
         """
         around = np.arange(_FINE, dtype=np.float64) * (360.0 / _FINE)
         azimuth = np.asarray((around + 180.0) % 360.0 - 180.0)
         line = hairline_polar(azimuth, parameters)[self._column]
         stroke = _strokes(np.random.default_rng([seed, 5])).ravel()[self._stroke]
         inside_mm = (line - self._polar) * MM_PER_DEG
-        cover = smoothstep(0.0, 1.0, (inside_mm + 6.0 * (stroke - 0.35)) / 9.0 + 0.5)
+        cover = smoothstep(0.0, 1.0, (inside_mm + 9.0 * (stroke - 0.35)) / 15.0 + 0.45)
         bald = parameters["bald_deg"]
         if bald > 0:
             rim_mm = (self._polar - bald_polar(azimuth, bald)[self._column]) * MM_PER_DEG

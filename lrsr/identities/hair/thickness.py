@@ -12,7 +12,10 @@ from lrsr.identities.ramp import smoothstep
 
 _Floats = NDArray[np.float64]
 
-_ROOT_DEPTH_MM = 1.6
+_ROOT_DEPTH_MM = 2.4
+_SUNK_MM = 11.0
+"""At a hairline the shell rises from under the skin, so that single hairs come first."""
+
 _GONE_DEPTH_MM = 5.0
 _BUN_RADIUS_DEG = 20.0
 
@@ -90,7 +93,7 @@ def _fade_at_tips(
     inner = np.clip(left / parameters["taper_mm"], 0.0, 1.0)
     fade = smoothstep(0.0, 1.0, inner)
     fade = fade + parameters["roundness"] * (np.sqrt(inner * (2.0 - inner)) - fade)
-    close = full * fade - _ROOT_DEPTH_MM * (1.0 - smoothstep(0.0, 5.0, left))
+    close = full * fade - _ROOT_DEPTH_MM * (1.0 - smoothstep(0.0, _SUNK_MM, left))
     share = smoothstep(
         0.0, 1.0, course.down / np.maximum(course.down.max(axis=1, keepdims=True), 1.0)
     )

@@ -75,9 +75,9 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
         "tan": float(rng.uniform(-0.1, 0.25)),
         "lip_fading": float(age * rng.uniform(0.15, 0.6)),
         "carotene": float(np.clip(rng.normal(0.04 + 0.06 * shares[1], 0.09), -0.10, 0.24)),
-        "perioral": float(np.clip(rng.normal(0.08, 0.46), -0.5, 1.1)),
-        "orbits": float(np.clip(rng.normal(0.06 + 0.18 * age, 0.42), -0.4, 1.05)),
-        "sides": float(rng.normal(0.08, 0.33)),
+        "perioral": float(np.clip(rng.normal(0.08, 0.25), -0.4, 0.6)),
+        "orbits": float(np.clip(rng.normal(0.06 + 0.18 * age, 0.28), -0.4, 0.7)),
+        "sides": float(rng.normal(0.08, 0.24)),
     }
 
 

@@ -1,4 +1,4 @@
-"""How does skin shine? A map of roughness: oily middle, matte sides, moist lips, dry age."""
+"""How does skin shine? Oily in the middle, matte at the sides and under a beard, moist on lips."""
 
 from typing import TypedDict
 
@@ -6,11 +6,15 @@ import cv2
 import numpy as np
 from numpy.random import Generator
 
+from lrsr.identities.skin.beard import Beard, beard_mask, beard_zones
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.regions import blob
 
 _ROUGHNESS_LIMITS = (0.26, 0.75)
 """Square roots of the slopes α: 0.08 is wet, 0.56 powdery."""
+
+
+_UNDER_BEARD = np.float32(0.25)
 
 
 class Sheen(TypedDict):
@@ -64,12 +68,14 @@ class SheenPainter:
         jaws = blob(position, (55.0, -55.0, -30.0), (18.0, 25.0, 40.0))
         self._matte = np.float32(0.04) * (jaws + chin) * (1 - lips)
         self._lips = lips
+        self._beards = beard_zones(position, lips)
 
-    def paint(self, sheen: Sheen, rng: Generator) -> FloatMap:
+    def paint(self, sheen: Sheen, beard: Beard, rng: Generator) -> FloatMap:
         """Paint one person.
 
         Args:
             sheen: As :func:`sample_sheen` draws it.
+            beard: Its hairs break what would shine.
             rng: Source of randomness of the patches.
 
         Returns:
@@ -82,4 +88,5 @@ class SheenPainter:
         roughness += np.float32(sheen["t_zone"]) * self._t_zone
         roughness += np.float32(sheen["lips"]) * self._lips
         roughness += np.float32(sheen["roughness"])
+        roughness += _UNDER_BEARD * beard_mask(beard, self._beards)
         return np.asarray(np.clip(roughness, *_ROUGHNESS_LIMITS), dtype=np.float32)

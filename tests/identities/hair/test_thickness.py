@@ -30,7 +30,7 @@ def test_crown_is_as_thick_as_the_top() -> None:
 
 def test_hair_dips_below_the_skin_at_a_hairline() -> None:
     height, fade, _ = lay("slicked_back", 1.0, 60.0)
-    np.testing.assert_allclose(height, -1.6)
+    np.testing.assert_allclose(height, -2.4)
     np.testing.assert_allclose(fade, 0.0)
 
 

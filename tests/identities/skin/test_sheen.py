@@ -8,12 +8,17 @@ import numpy as np
 import pytest
 
 from lrsr.identities.morphable import _position_map
+from lrsr.identities.skin.beard import Beard
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.sheen import _ROUGHNESS_LIMITS, Sheen, SheenPainter, sample_sheen
 
 SIZE = 128
 EVEN: Sheen = {"roughness": 0.5, "t_zone": 0.0, "lips": 0.0, "patchiness": 0.0}
+SHAVEN: Beard = {
+    "kind": "none", "density": 1.0, "length_mm": 3.0, "cheek_line_mm": 0.0, "shadow": 0.0,
+    "patchiness": 0.0, "grey": 0.0,
+}  # fmt: skip
 POINTS = {
     "forehead": (0, 46, 10),
     "nose": (4, -36, 20),
@@ -35,7 +40,7 @@ def _painter() -> SheenPainter:
 
 def _paint(seed: int = 0, **changes: float) -> FloatMap:
     sheen: Sheen = EVEN | changes  # type: ignore[assignment]  # the keys are the fields
-    return _painter().paint(sheen, np.random.default_rng(seed))
+    return _painter().paint(sheen, SHAVEN, np.random.default_rng(seed))
 
 
 def _at(roughness: FloatMap, place: tuple[float, float]) -> float:
@@ -122,7 +127,7 @@ def test_each_zone_changes_its_place_alone(
 
 def test_forehead_and_nose_shine_and_the_chin_does_not() -> None:
     sheen: Sheen = _sample(0, 0.3) | {"patchiness": 0.0}  # type: ignore[assignment]  # a field
-    painted = _painter_of_points().paint(sheen, np.random.default_rng(0))
+    painted = _painter_of_points().paint(sheen, SHAVEN, np.random.default_rng(0))
     roughness = dict(zip(POINTS, painted[0].tolist(), strict=True))
     assert max(roughness["forehead"], roughness["nose"]) < roughness["neck"] - 0.02
     assert roughness["chin"] > roughness["neck"]
@@ -130,7 +135,7 @@ def test_forehead_and_nose_shine_and_the_chin_does_not() -> None:
 
 def test_nobody_is_wet_or_chalk() -> None:
     rng, painter = np.random.default_rng(0), _painter_of_points()
-    people = [painter.paint(sample_sheen(rng, age=k / 99), rng) for k in range(100)]
+    people = [painter.paint(sample_sheen(rng, age=k / 99), SHAVEN, rng) for k in range(100)]
     low, high = np.float32(_ROUGHNESS_LIMITS)
     assert low <= np.min(people) < np.max(people) <= high
     assert np.std([person[0, 0] for person in people]) > 0.03
@@ -154,5 +159,15 @@ def test_the_same_stream_paints_the_same_bytes() -> None:
 def test_a_tiny_map_is_painted_too() -> None:
     size = (3, 2)
     position, lips = (np.asarray(cv2.resize(m, size)) for m in (_layout().position, _layout().lips))
-    painted = SheenPainter(position, lips).paint(_sample(), np.random.default_rng(0))
+    painted = SheenPainter(position, lips).paint(_sample(), SHAVEN, np.random.default_rng(0))
     assert painted.shape == (2, 3)
+
+
+def test_hairs_of_a_beard_do_not_shine_and_bare_cheeks_stay_as_they_were() -> None:
+    bearded: Beard = {**SHAVEN, "kind": "goatee"}
+    shaven, grown = (
+        _painter().paint(EVEN, beard, np.random.default_rng(0)) for beard in (SHAVEN, bearded)
+    )
+    chin, nose = (0.0, -95.0), (0.0, -40.0)
+    assert _at(grown, chin) > _at(shaven, chin) + 0.15
+    assert _at(grown, nose) == _at(shaven, nose)
