@@ -12,6 +12,7 @@ from lrsr.images import scale_points
 from lrsr.pictures.picture import Picture, stack
 from lrsr.recognition import Engine
 from lrsr.recognition.alignment import landmark_errors
+from lrsr.recognition.finder import Finder
 from lrsr.recognition.settings import Landmarks
 from lrsr.sr.upscaler import Upscaler
 
@@ -23,12 +24,14 @@ class Seen:
 
     Args:
         landmarks: Of which sources.
+        finder: Finds faces; None where landmarks are the true ones.
 
     Attributes:
         decibels: PSNR of each against its true reference, where there are references.
     """
 
-    def __init__(self, landmarks: Sequence[Landmarks]) -> None:
+    def __init__(self, landmarks: Sequence[Landmarks], finder: Finder | None = None) -> None:
+        self._finder = finder
         self._embeddings: dict[Landmarks, list[_Floats]] = {one: [] for one in landmarks}
         self._errors: list[_Floats] = []
         self.decibels: list[float] = []
@@ -55,7 +58,7 @@ class Seen:
         """Look at further pictures.
 
         Args:
-            engine: Finds and embeds; a batch for each size of picture.
+            engine: Embeds; a batch for each size of picture.
             pictures: Of any sizes.
             upscaler: The method.
             true: Their true references, as many, if there are any.
@@ -79,8 +82,8 @@ class Seen:
         self._errors.append(np.concatenate(errors)[order])
         self.decibels += decibels.tolist()
 
-    @staticmethod
     def _embed(
+        self,
         engine: Engine,
         images: torch.Tensor,
         points: NDArray[np.float32],
@@ -89,8 +92,8 @@ class Seen:
         """Add embeddings of one batch; return the errors of the landmarks found."""
         if "shared" in parts:
             parts["shared"].append(engine.embed(images, points))
-        if "own" not in parts:
+        if self._finder is None:
             return np.full(len(images), np.nan)
-        faces = engine.find(images)
+        faces = self._finder(images)
         parts["own"].append(engine.embed(images, faces.landmarks_px, faces.boxes_px))
         return landmark_errors(faces.landmarks_px, points)

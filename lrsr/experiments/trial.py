@@ -29,6 +29,7 @@ from lrsr.pictures.source import (
     render_sources,
 )
 from lrsr.recognition import Engine
+from lrsr.recognition.finder import Finder
 from lrsr.recognition.settings import Landmarks
 from lrsr.rendering.scene import Film
 from lrsr.sr.upscaler import Bicubic
@@ -63,6 +64,7 @@ class Trial:
         design: What is asked.
         cache: Where renderings are kept.
         engine: What recognises.
+        finder: What finds faces; needed where landmarks are own.
         maker: Renders what the cache lacks; Mitsuba when None.
         progress: Show bars while rendering.
     """
@@ -71,6 +73,7 @@ class Trial:
     cache: RenderCache
     engine: Engine
     maker: Maker | None = None
+    finder: Finder | None = None
     progress: bool = True
 
     @property
@@ -116,7 +119,7 @@ class Trial:
     def outcomes(self) -> Iterator[Outcome]:
         """Score one condition after the other; what is not rendered yet is rendered."""
         gallery = self.gallery()
-        enrolled, as_it_is = Seen(self.landmarks), Bicubic(1)
+        enrolled, as_it_is = self._nothing_seen(), Bicubic(1)
         for _, some in chunks(gallery):
             enrolled.look(self.engine, some, as_it_is)
         shown = gallery.load(0, _SHOWN)
@@ -141,12 +144,15 @@ class Trial:
                 return ("own",)
         return asked
 
+    def _nothing_seen(self) -> Seen:
+        return Seen(self.landmarks, self.finder if "own" in self.landmarks else None)
+
     def _outcome(
         self, condition: Condition, gallery: Source, enrolled: Seen, shown: Sequence[Picture]
     ) -> Outcome:
         probes, upscalers = self.probes(condition), self.design.upscalers
         references = {scale: self.references(condition, scale) for scale in self._scales}
-        seen = {method: Seen(self.landmarks) for method in upscalers}
+        seen = {method: self._nothing_seen() for method in upscalers}
         for place, some in chunks(probes):
             true = {
                 scale: source.load(place.start, place.stop)

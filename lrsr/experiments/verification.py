@@ -66,9 +66,10 @@ class Verification(Design):
         Raises:
             InputError: A file or a folder is wrong; nothing has been rendered by then.
         """
-        engine = self.recognition.engine(Memory(cache.folder / "recognition"))
-        trial = Trial(self, cache, engine, maker, progress=progress)
-        own = "own" in trial.landmarks  # before anything is rendered
+        memory = Memory(cache.folder / "recognition")
+        engine, finder = self.recognition.engine(memory), self.recognition.finder(memory)
+        trial = Trial(self, cache, engine, maker, finder, progress=progress)
+        landmarks = trial.landmarks  # refused before anything is rendered
         trial.render()
         conditions = len(self.conditions)
         bar = tqdm(trial.outcomes(), "scoring", conditions, unit="condition", disable=not progress)
@@ -79,12 +80,12 @@ class Verification(Design):
             "config": self.describe(),
             "recognition": {
                 **engine.describe(),
-                **({"detector": engine.detector.describe()} if own else {}),
+                **({"detector": finder.detector.describe()} if finder else {}),
             },
             "versions": versions(),
         }
         write_json(folder / "results.json", results)
-        self._write_report(folder, results, outcomes, trial.landmarks)
+        self._write_report(folder, results, outcomes, landmarks)
         for row in results["rows"]:
             logger.info("%s", _line(row))
         return folder

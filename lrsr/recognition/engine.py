@@ -1,6 +1,6 @@
 """What tells one face from another? Find, align, embed; the cosine of two is how alike they are."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 from typing import Literal, cast, get_args
@@ -9,13 +9,12 @@ import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
-from lrsr.errors import InputError
 from lrsr.images import check_srgb
 from lrsr.paths import asset
 from lrsr.recognition.alignment import Template, align, read_landmarks, whole_pictures
 from lrsr.recognition.detection.detector import Detector
-from lrsr.recognition.detection.faces import best_face
 from lrsr.recognition.embedding import Embedder
+from lrsr.recognition.finder import Faces, Finder
 from lrsr.recognition.memory import Memory
 
 Fallback = Literal["none", "whole_image"]
@@ -25,21 +24,6 @@ _DEFAULT_MODEL = "weights/arcface_small.onnx"
 """Trained on rendered faces by ``lrsr train recognition=arcface``; its record lies beside it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Faces:
-    """The best face of each picture; NaN where none was found.
-
-    Attributes:
-        landmarks_px: ``(B, 5, 2)`` (x, y), px.
-        boxes_px: ``(B, 4)`` left, top, right, bottom, px.
-        scores: ``(B,)`` of the detector, [0, 1].
-    """
-
-    landmarks_px: NDArray[np.float32]
-    boxes_px: NDArray[np.float32]
-    scores: NDArray[np.float32]
-
-
 class Engine:
     """Finds faces, or takes them where they are known to be, aligns and embeds them.
 
@@ -47,11 +31,11 @@ class Engine:
         model: An ONNX embedder with its contract beside it; default: the one that ships.
         antialias: Overrules the contract's: average when alignment makes a face smaller?
         device: Where the networks run, "cpu" or "cuda".
-        detector: Default: the one that ships, loaded when it is first needed.
+        finder: Default: with the detector that ships, loaded when it is first needed.
         template: Overrules the contract's alignment.
         fallback: What stands for a face that was not found: nothing, or as in DeepFace the whole
             picture, which hides the failure.
-        memory: Where detections and embeddings are kept; default: nowhere.
+        memory: Where embeddings are kept; default: nowhere.
 
     Raises:
         InputError: See :class:`lrsr.recognition.embedding.Embedder`.
@@ -63,7 +47,7 @@ class Engine:
         *,
         antialias: bool | None = None,
         device: str = "cpu",
-        detector: Detector | None = None,
+        finder: Finder | None = None,
         template: Template | None = None,
         fallback: Fallback = "none",
         memory: Memory | None = None,
@@ -73,47 +57,16 @@ class Engine:
         self.antialias = contract.antialias if antialias is None else antialias
         self.template = template or cast("Template", contract.template)
         self.fallback: Fallback = fallback
-        self._given, self._memory, self._device = detector, memory or Memory(), device
+        self._finder, self._memory, self._device = finder, memory or Memory(), device
 
     @cached_property
-    def detector(self) -> Detector:
+    def finder(self) -> Finder:
         """What finds faces."""
-        return self._given or Detector(device=self._device)
+        return self._finder or Finder(Detector(device=self._device), self._memory)
 
     def find(self, srgb: torch.Tensor) -> Faces:
-        """Find the face that each picture is of, if any.
-
-        It is chosen by :func:`lrsr.recognition.detection.faces.best_face`.
-
-        Args:
-            srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
-
-        Raises:
-            ImageContractError: The pictures break the contract of :mod:`lrsr.images`.
-            InputError: The detector finds boxes alone.
-        """
-        about = {"find": self.detector.describe(), "device": self._device}
-        pixels = check_srgb(srgb).numpy(force=True)
-        rows = self._memory.recall(about, [pixels], lambda: self._find(srgb))
-        return Faces(rows[:, :10].reshape(-1, 5, 2), rows[:, 10:14], rows[:, 14])
-
-    def _find(self, srgb: torch.Tensor) -> NDArray[np.float32]:
-        """Return landmarks, box and score of each picture's best face, ``(B, 15)``.
-
-        Raises:
-            InputError: The detector finds boxes alone.
-        """
-        rows = np.full((len(srgb), 15), np.nan, dtype=np.float32)
-        for row, faces in zip(rows, self.detector(srgb), strict=True):
-            best = best_face(faces, *srgb.shape[-2:])
-            if best is not None:
-                row[:] = [*best.landmarks_px.ravel(), *best.box_px, best.score]
-                if np.isnan(best.landmarks_px).any():
-                    raise InputError(
-                        f"{self.detector.model}: finds boxes without landmarks, by which nothing"
-                        " can be aligned; give another recognition.detector"
-                    )
-        return rows
+        """Find the face that each picture is of; see :class:`lrsr.recognition.finder.Finder`."""
+        return self.finder(srgb)
 
     def embed(
         self, srgb: torch.Tensor, landmarks_px: ArrayLike, boxes_px: ArrayLike | None = None

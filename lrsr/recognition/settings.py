@@ -10,6 +10,7 @@ from lrsr.recognition.alignment import TEMPLATES, Template
 from lrsr.recognition.detection.detector import Detector
 from lrsr.recognition.detection.enlargement import Enlargement
 from lrsr.recognition.engine import FALLBACKS, Engine, Fallback
+from lrsr.recognition.finder import Finder
 from lrsr.recognition.memory import Memory
 
 if TYPE_CHECKING:
@@ -72,29 +73,31 @@ class RecognitionSettings:
             fallback=given.fallback,
         )
 
+    def finder(self, memory: Memory | None = None) -> Finder | None:
+        """Load what finds faces; None where nothing is to be found.
+
+        Args:
+            memory: Where detections are kept; default: nowhere.
+
+        Raises:
+            InputError: The detector is missing or broken.
+        """
+        if "own" not in self.landmarks:
+            return None
+        rule, threshold = self.enlargement, self.score_threshold
+        detector = Detector(self.detector, enlargement=rule, score_threshold=threshold)
+        return Finder(detector, memory)
+
     def engine(self, memory: Memory | None = None) -> Engine:
         """Load what recognises.
 
         Args:
-            memory: Where detections and embeddings are kept; default: nowhere.
+            memory: Where embeddings are kept; default: nowhere.
 
         Raises:
-            InputError: A model is missing or broken.
+            InputError: The model is missing or broken.
         """
-        detector = None
-        if "own" in self.landmarks:
-            detector = Detector(
-                self.detector,
-                enlargement=self.enlargement,
-                score_threshold=self.score_threshold,
-            )
-        return Engine(
-            self.model,
-            detector=detector,
-            template=self.alignment,
-            fallback=self.fallback,
-            memory=memory,
-        )
+        return Engine(self.model, template=self.alignment, fallback=self.fallback, memory=memory)
 
 
 def _choose(name: str, value: object, options: tuple[str, ...]) -> None:

@@ -1,7 +1,6 @@
 from collections.abc import Callable
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 import torch
@@ -10,8 +9,6 @@ from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.scores import CosineScores
 from lrsr.recognition import Engine
 from lrsr.recognition.alignment import TEMPLATE_PX, Template, align, whole_pictures
-from lrsr.recognition.detection.detector import Detector
-from lrsr.recognition.detection.faces import Detection
 from lrsr.recognition.embedding import Embedder
 from lrsr.recognition.memory import Memory
 
@@ -115,41 +112,6 @@ def test_the_part_has_no_other_names() -> None:
         lrsr.recognition.engin  # noqa: B018 - asking is the test
 
 
-class Finder(Detector):
-    """Finds what it is told to; counts how often it is asked."""
-
-    def __init__(self, *faces: list[Detection]) -> None:
-        super().__init__()
-        self.faces, self.calls = faces, 0
-
-    def __call__(self, srgb: torch.Tensor, *, ipd_px: float | None = None) -> list[list[Detection]]:
-        self.calls += 1
-        return [*self.faces]
-
-
-def at(left: float, side: float, points: np.ndarray = TEMPLATE_PX) -> Detection:
-    box = np.array([left, left, left + side, left + side], dtype=np.float32)
-    return Detection(box, 0.75, points.astype(np.float32))
-
-
-def test_the_best_face_of_each_picture_is_found(tiny_model: Path) -> None:
-    engine = Engine(tiny_model, detector=Finder([at(0, 20), at(30, 50, TEMPLATE_PX / 2)], []))
-    found = engine.find(faces(2))
-    np.testing.assert_allclose(found.landmarks_px[0], TEMPLATE_PX / 2, rtol=1e-6)
-    assert found.boxes_px[0].tolist() == [30, 30, 80, 80]
-    assert found.scores.tolist()[:1] == [0.75]
-    assert np.isnan(found.landmarks_px[1]).all()
-    assert np.isnan(found.scores[1])
-
-
-def test_the_detector_that_ships_finds_a_rendered_face(tiny_model: Path) -> None:
-    level = cv2.imread(str(Path(__file__).parents[1] / "data" / "rendered_face.png"))[..., ::-1]
-    picture = torch.from_numpy(level.copy()).permute(2, 0, 1)[None].float() / 255
-    left, right, nose, *mouth = Engine(tiny_model).find(picture).landmarks_px[0]
-    assert 24 * 0.8 < right[0] - left[0] < 24 * 1.1
-    assert left[1] < nose[1] < mouth[0][1]
-
-
 def test_what_is_not_found_may_be_the_whole_picture(tiny_model: Path) -> None:
     images, nowhere = faces(2, 60), np.full((2, 5, 2), np.nan)
     nowhere[0] = TEMPLATE_PX / 2
@@ -169,20 +131,22 @@ def test_the_user_may_align_in_another_way_than_the_contract(
     assert engine.describe()["alignment"] == template
 
 
-def test_nothing_is_looked_at_twice(tiny_model: Path, tmp_path: Path) -> None:
-    finder, images = Finder([at(30, 50)], [at(30, 40)]), faces(2)
-    rows = []
-    for _ in range(2):
-        engine = Engine(tiny_model, detector=finder, memory=Memory(tmp_path))
-        found = engine.find(images)
-        rows.append(engine.embed(images, found.landmarks_px, found.boxes_px))
-    assert finder.calls == 1
-    np.testing.assert_array_equal(*rows)
-    other = Engine(tiny_model, template="eyes", detector=finder, memory=Memory(tmp_path))
-    assert (other.embed(images, found.landmarks_px) != rows[0]).any()
+def test_nobody_is_embedded_twice(tiny_model: Path, tmp_path: Path) -> None:
+    class Counting(Embedder):
+        def __call__(self, crops: torch.Tensor) -> np.ndarray:
+            batches.append(len(crops))
+            return super().__call__(crops)
+
+    batches: list[int] = []
+    points, rows = np.stack([TEMPLATE_PX / 2] * 2), []
+    for template in ("arcface5", "arcface5", "eyes"):
+        engine = Engine(tiny_model, template=template, memory=Memory(tmp_path))
+        engine.embedder = Counting(tiny_model)
+        rows.append(engine.embed(faces(2, 60), points))
+    assert batches == [2, 2]
+    np.testing.assert_array_equal(rows[0], rows[1])
+    assert (rows[2] != rows[0]).any()
 
 
-def test_a_detector_of_boxes_alone_is_refused(tiny_model: Path) -> None:
-    engine = Engine(tiny_model, detector=Finder([at(0, 20, np.full((5, 2), np.nan))]))
-    with pytest.raises(InputError, match=r"boxes without landmarks.*give another"):
-        engine.find(faces(1))
+def test_an_engine_finds_faces_by_itself(tiny_model: Path) -> None:
+    assert np.isnan(Engine(tiny_model).find(torch.full((1, 3, 40, 40), 0.5)).scores).all()

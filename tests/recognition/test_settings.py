@@ -42,20 +42,19 @@ def test_every_setting_is_read() -> None:
 def test_an_engine_is_as_the_settings_say(tiny_model: Path, tmp_path: Path) -> None:
     rule = Enlargement(shorter_px=100)
     settings = RecognitionSettings(tiny_model, ("own",), None, rule, 0.7, "eyes", "whole_image")
-    engine = settings.engine(Memory(tmp_path))
-    told = engine.describe()
+    told = settings.engine(Memory(tmp_path)).describe()
     assert (told["alignment"], told["fallback"], told["model"]) == (
         "eyes",
         "whole_image",
         "tiny.onnx",
     )
-    assert (engine.detector.enlargement, engine.detector.score_threshold) == (rule, 0.7)
+    finder = settings.finder(Memory(tmp_path))
+    assert finder is not None
+    assert (finder.detector.enlargement, finder.detector.score_threshold) == (rule, 0.7)
 
 
-def test_a_missing_detector_is_refused_before_anything_is_done(
-    tiny_model: Path, tmp_path: Path
-) -> None:
-    settings = RecognitionSettings(tiny_model, ("own",), tmp_path / "gone.onnx")
+def test_a_missing_detector_is_refused_where_one_is_needed(tmp_path: Path) -> None:
+    gone = tmp_path / "gone.onnx"
     with pytest.raises(InputError, match=r"gone\.onnx is missing"):
-        settings.engine()
-    assert settings.__class__(tiny_model, ("shared",), tmp_path / "gone.onnx").engine()
+        RecognitionSettings(landmarks=("own",), detector=gone).finder()
+    assert RecognitionSettings(landmarks=("shared",), detector=gone).finder() is None
