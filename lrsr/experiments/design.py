@@ -10,11 +10,13 @@ from lrsr.camera.codec import COMPRESSIONS
 from lrsr.configuration import (
     as_mapping,
     as_word,
+    flag,
     number,
     numbered,
     numbers,
     require,
     seed_of,
+    whole_number,
     whole_numbers,
     words,
 )
@@ -95,6 +97,8 @@ class Design:
         model: ONNX embedder with its contract beside it; None: the one that ships.
         probes_folder: Photographs in place of rendered probes, under the one condition given.
         gallery_folder: Photographs in place of rendered enrolled pictures.
+        bootstrap: Draws of people for the intervals over people; 0: none.
+        save_scores: Write every score down.
 
     Raises:
         InputError: A number is out of its range, or the camera has a lens of its own besides a
@@ -114,6 +118,8 @@ class Design:
     model: Path | None = None
     probes_folder: Path | None = None
     gallery_folder: Path | None = None
+    bootstrap: int = 0
+    save_scores: bool = True
 
     def __post_init__(self) -> None:
         count = self.people.count
@@ -125,6 +131,7 @@ class Design:
             self.camera.check_lens(lens.name, pinhole=lens.is_pinhole)
         require(len(self.upscalers) > 0, "methods", [], "at least one")
         require(0 < self.level < 1, "level", self.level, "between 0 and 1")
+        require(self.bootstrap >= 0, "bootstrap", self.bootstrap, "0 or more draws")
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:
@@ -152,6 +159,8 @@ class Design:
             model=path_if_any(config.recognition.model, "recognition.model"),
             probes_folder=probes,
             gallery_folder=path_if_any(config.gallery.folder, "gallery.folder"),
+            bootstrap=whole_number(config, "bootstrap"),
+            save_scores=flag(config, "save_scores"),
         )
 
     def describe(self) -> dict[str, Any]:
@@ -169,6 +178,7 @@ class Design:
             "gallery": self.gallery.describe(),
             "camera": self.camera.name,
             "level": self.level,
+            "bootstrap": self.bootstrap,
             "seed": self.seed,
             "probes_folder": None if self.probes_folder is None else str(self.probes_folder),
             "gallery_folder": None if self.gallery_folder is None else str(self.gallery_folder),

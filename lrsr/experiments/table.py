@@ -18,7 +18,10 @@ Record = dict[str, Any]
 """A line of ``results.json`` in plain values."""
 
 _UNTOLD = ("wald_leaves_range", "degenerate")
-_TOLD = ("difference", "low", "high", "subject_low", "subject_high", "z", "p", "log10_p")
+_TOLD = (
+    *("difference", "low", "high", "subject_low", "subject_high"),
+    *("bootstrap_low", "bootstrap_high", "z", "p", "log10_p", "bootstrap_p"),
+)
 
 
 def evaluate(
@@ -49,7 +52,9 @@ def evaluate(
         ScoreError: Fewer than two genuine or impostor scores are left.
     """
     pairs = _rivals(design.upscalers)
-    found = summarise(scores, pairs=pairs, level=design.level)
+    found = summarise(
+        scores, pairs=pairs, level=design.level, bootstrap=design.bootstrap, seed=design.seed
+    )
     rows = [
         _row(design, condition, method, summary, decibels[method])
         for method, summary in found.summaries.items()
@@ -98,8 +103,9 @@ def _row(
         "fta": summary.fta,
         "eer": summary.eer,
         "d_prime": summary.d_prime,
-        "rank_1": summary.cmc.rank_1,
+        "rank_1": None if summary.cmc is None else summary.cmc.rank_1,
         "fnmr": [asdict(point) for point in summary.fnmr],
+        "partial_auc": [asdict(area) for area in summary.partial],
     }
 
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from lrsr.camera import Camera
 from lrsr.evaluation.quality import psnr_y
+from lrsr.evaluation.score_files.system import Name, System
+from lrsr.evaluation.score_files.writing import ScoreFile
 from lrsr.evaluation.scores import CosineScores
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.report.page import Panel
@@ -114,8 +116,12 @@ class Trial:
     def _rendered(self, recipes: Sequence[Recipe], camera: Camera) -> Source:
         return Rendered(recipes, camera, self.cache, self.maker, self.progress)
 
-    def outcomes(self) -> Iterator[Outcome]:
-        """Score one condition after the other; what is not rendered yet is rendered."""
+    def outcomes(self, table: ScoreFile | None = None) -> Iterator[Outcome]:
+        """Score one condition after the other; what is not rendered yet is rendered.
+
+        Args:
+            table: Where all scores go, too.
+        """
         gallery = self.gallery()
         as_it_is = Bicubic(1)
         enrolled = np.concatenate(
@@ -124,10 +130,15 @@ class Trial:
         )
         shown = gallery.load(0, _SHOWN)
         for condition in self.design.conditions:
-            yield self._outcome(condition, gallery, enrolled, shown)
+            yield self._outcome(condition, gallery, enrolled, shown, table)
 
     def _outcome(
-        self, condition: Condition, gallery: Source, enrolled: _Floats, shown: Sequence[Picture]
+        self,
+        condition: Condition,
+        gallery: Source,
+        enrolled: _Floats,
+        shown: Sequence[Picture],
+        table: ScoreFile | None,
     ) -> Outcome:
         probes, upscalers = self.probes(condition), self.design.upscalers
         references = {scale: self.references(condition, scale) for scale in self._scales}
@@ -148,11 +159,20 @@ class Trial:
             method: CosineScores(np.concatenate(parts, dtype=np.float64), enrolled, *ids)
             for method, parts in embedded.items()
         }
+        if table is not None:
+            for method, source in scores.items():
+                name = self._system_name(condition, method, landmarks="shared")
+                table.add(name, System(source, probes.names, gallery.names))
         rows, comparisons, curves = evaluate(self.design, condition, scores, decibels)
         pictures = self._pictures(probes, references, shown)
         named = {upscalers[method].label: curve for method, curve in curves.items()}
         panel = Panel(condition.title, named, pictures, ids[0][:_SHOWN])
         return Outcome(rows, comparisons, panel)
+
+    def _system_name(self, condition: Condition, method: str, landmarks: str) -> Name:
+        size = "" if condition.ipd_px is None else f"{condition.ipd_px:g}"
+        recogniser = self.engine.embedder.model.stem
+        return Name(str(condition.option), size, method, landmarks, recogniser)
 
     def _enlarge_and_embed(
         self,

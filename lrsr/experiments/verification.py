@@ -1,11 +1,13 @@
 """Does this way of enlarging help to tell people apart, and under which conditions?"""
 
 import logging
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
+from lrsr.evaluation.score_files.writing import score_file
 from lrsr.experiments.design import Design
 from lrsr.experiments.report.page import write_report
 from lrsr.experiments.report.sheets import draw_contact_sheet
@@ -50,10 +52,10 @@ class Verification(Design):
         maker: Maker | None = None,
         progress: bool = True,
     ) -> Path:
-        """Write ``results.json``, ``report.html`` and ``faces_1.png``, ... into ``folder``.
+        """Write ``results.json``, ``report.html``, ``scores.csv`` and ``faces_1.png``, ... .
 
         Args:
-            folder: Of the run.
+            folder: Of the run; all goes into it.
             cache: Where renderings are kept.
             maker: Renders; Mitsuba when None.
             progress: Show bars on stderr.
@@ -64,9 +66,9 @@ class Verification(Design):
         engine = Engine(self.model)
         trial = Trial(self, cache, engine, maker, progress=progress)
         trial.render()
-        conditions = len(self.conditions)
-        bar = tqdm(trial.outcomes(), "scoring", conditions, unit="condition", disable=not progress)
-        outcomes = list(bar)
+        with score_file(folder) if self.save_scores else nullcontext() as table:
+            scored, total = trial.outcomes(table), len(self.conditions)
+            outcomes = list(tqdm(scored, "scoring", total, unit="condition", disable=not progress))
         results: dict[str, Any] = {
             "rows": [row for outcome in outcomes for row in outcome.rows],
             "comparisons": [test for outcome in outcomes for test in outcome.comparisons],
