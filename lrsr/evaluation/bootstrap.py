@@ -8,11 +8,14 @@ differences are paired. Nothing is sorted again: a draw only changes how often e
 :mod:`lrsr.evaluation.placements` was met.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from lrsr.errors import ScoreError
+from lrsr.evaluation.arrays import Array
 from lrsr.evaluation.delong import check_level
 from lrsr.evaluation.placements import Classes, Placements
 from lrsr.evaluation.scores import Index, ScoreSource
@@ -45,29 +48,61 @@ def draw_people(source: ScoreSource, number: int, seed: int) -> Draws:
     return np.ascontiguousarray(drawn.T, dtype=np.float32)
 
 
-def weigh(draws: Draws, classes: Index, number: int, left: Index, right: Index) -> Floats:
-    """Count impostor pairs by class, each as often as both of its people were drawn.
+def weigh(
+    draws: Draws, classes: Index, number: int, left: Index, right: Index | None = None
+) -> Floats:
+    """Count pairs by class, each as often as its people were drawn.
 
     Args:
         draws: ``(people, B)``.
         classes: ``(n,)`` of each pair.
         number: Of classes.
         left: ``(n,)`` person of each probe.
-        right: ``(n,)`` person of each gallery image.
+        right: ``(n,)`` person of each gallery image; None: the same one, as the pairs are genuine.
 
     Returns:
         ``(number, B)``.
     """
     total = np.zeros((number, draws.shape[1]))
-    step = max(1, _AT_ONCE // draws.shape[1])
-    for start in range(0, classes.size, step):
-        part = slice(start, start + step)
-        weights = draws[left[part]]
-        weights *= draws[right[part]]
+    for part, weights in _weights(draws, left, right):
         places = (classes[part], np.arange(len(weights)))
         ones = np.ones(len(weights), dtype=np.float32)
         total += csr_array((ones, places), shape=(number, len(weights))) @ weights
     return total
+
+
+def weighted_means(
+    draws: Draws, features: Array, left: Index, right: Index | None = None
+) -> Floats:
+    """Average numbers of pairs, each as often as its people were drawn.
+
+    Args:
+        draws: ``(people, B)``.
+        features: ``(k, n)`` finite numbers.
+        left: ``(n,)`` person of each probe.
+        right: ``(n,)`` as of :func:`weigh`.
+
+    Returns:
+        ``(k, B)``; NaN where a draw has no pair.
+    """
+    sums, total = np.zeros((len(features), draws.shape[1])), np.zeros(draws.shape[1])
+    for part, weights in _weights(draws, left, right):
+        sums += features[:, part] @ weights
+        total += weights.sum(axis=0, dtype=np.float64)
+    with np.errstate(invalid="ignore"):
+        means: Floats = sums / total
+    return means
+
+
+def _weights(draws: Draws, left: Index, right: Index | None) -> Iterator[tuple[slice, Draws]]:
+    """Yield how often some pairs were drawn, ``(pairs, B)``, and which they are."""
+    step = max(1, _AT_ONCE // draws.shape[1])
+    for start in range(0, left.size, step):
+        part = slice(start, start + step)
+        weights = draws[left[part]]
+        if right is not None:
+            weights *= draws[right[part]]
+        yield part, weights
 
 
 class Resampled:
@@ -140,8 +175,8 @@ def percentiles(values: Floats, level: float) -> tuple[float, float]:
         ScoreError: No draw has a value, or the level lies outside (0, 1).
 
     Example:
-        >>> percentiles(np.arange(101.0), 0.9)
-        (5.0, 95.0)
+        >>> percentiles(np.arange(101.0), 0.5)
+        (25.0, 75.0)
     """
     found, tail = values[~np.isnan(values)], (1 - check_level(level)) / 2
     if not found.size:

@@ -1,4 +1,4 @@
-"""How alike are the pairs of a list? For protocols that compare only some probes with some images."""
+"""How alike are the pairs of a list? For protocols that compare only some probes and images."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -30,7 +30,8 @@ class PairScores(ScoreSource):
             score is infinite, or an identity is neither text nor an integer.
 
     Example:
-        >>> pairs = PairScores(np.array([0.9, 0.1, 0.2]), ["ann", "ann", "bob"], ["ann", "bob", "cy"])
+        >>> values = np.array([0.9, 0.1, 0.2])
+        >>> pairs = PairScores(values, ["ann", "ann", "bob"], ["ann", "bob", "cy"])
         >>> pairs.genuine().tolist(), pairs.impostor().tolist()
         ([0.9], [0.1, 0.2])
     """
@@ -45,7 +46,10 @@ class PairScores(ScoreSource):
         values = plain_array(self.values, "scores of the pairs")
         super().__post_init__()
         object.__setattr__(self, "values", values)
-        if not values.shape == (len(self.probe_ids),) == (len(self.gallery_ids),) or not values.size:
+        if (
+            not values.shape == (len(self.probe_ids),) == (len(self.gallery_ids),)
+            or not values.size
+        ):
             raise ScoreError(
                 f"{values.shape} scores for {len(self.probe_ids)} probes and "
                 f"{len(self.gallery_ids)} gallery images: wanted one of each for every pair"
@@ -97,7 +101,8 @@ class PairScores(ScoreSource):
         Raises:
             ScoreError: There is no such pair.
         """
-        kept = np.logical_and(*self._kept(people))
+        probes, gallery = self._kept(people)
+        kept = probes & gallery if self.people_known else probes
         ids = np.array(self.probe_ids)[kept], np.array(self.gallery_ids)[kept]
-        names = (list(map(str, one)) for one in ids)
-        return PairScores(self.values[kept], *names, people_known=self.people_known)
+        left, right = (list(map(str, one)) for one in ids)
+        return PairScores(self.values[kept], left, right, self.people_known)

@@ -135,7 +135,7 @@ class Rates:
 
     @property
     def fta(self) -> float:
-        """Failure-to-acquire rate: the share of probes (of listed pairs) without a score, [0, 1]."""
+        """Failure-to-acquire rate: the share of probes, or of listed pairs, without a score."""
         return sum(self._failed) / len(self._failed)
 
     def fnmr(self, level: float = 0.95) -> tuple[OperatingPoint, ...]:

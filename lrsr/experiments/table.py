@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from lrsr.evaluation.delong import AucComparison
-from lrsr.evaluation.roc import RocCurve
+from lrsr.evaluation.delong import AucComparison, AucEstimate
+from lrsr.evaluation.multiplicity import holm_adjusted
 from lrsr.evaluation.scores import ScoreSource
 from lrsr.evaluation.summary import Summary, summarise
 from lrsr.experiments.design import Condition, Design
@@ -29,7 +29,7 @@ def evaluate(
     condition: Condition,
     scores: Mapping[str, ScoreSource],
     decibels: Mapping[str, Sequence[float]],
-) -> tuple[list[Record], list[Record], dict[str, RocCurve]]:
+) -> tuple[list[Record], list[Record], Mapping[str, Summary]]:
     """Evaluate all methods under one condition, and test them in pairs.
 
     Args:
@@ -39,7 +39,7 @@ def evaluate(
         decibels: By method, the PSNR of each probe; empty where there is no reference.
 
     Returns:
-        A row a method, the paired tests, and the ROC curve of each method. A row names experiment,
+        A row a method, the paired tests, and the summary of each method. A row names experiment,
         option, ipd_px, pose, lighting and compression of the probe (empty or None where a
         photograph's are not known), method, label and landmarks ("shared": the true ones, scaled);
         holds the numbers of :class:`~lrsr.evaluation.delong.AucEstimate`; psnr_y_db (mean over the
@@ -60,7 +60,13 @@ def evaluate(
         for method, summary in found.summaries.items()
     ]
     tests = [_comparison(condition, pair, found.comparisons[pair]) for pair in pairs]
-    return rows, tests, {method: summary.curve for method, summary in found.summaries.items()}
+    return rows, tests, found.summaries
+
+
+def with_holm(tests: Sequence[Record]) -> list[Record]:
+    """Return tests with ``p_holm``, adjusted for all of them together."""
+    adjusted = holm_adjusted([test["p"] for test in tests])
+    return [{**test, "p_holm": p} for test, p in zip(tests, adjusted, strict=True)]
 
 
 def _rivals(upscalers: Mapping[str, Upscaler]) -> list[tuple[str, str]]:
@@ -87,7 +93,6 @@ def _row(
     summary: Summary,
     decibels: Sequence[float],
 ) -> Record:
-    area = {name: value for name, value in asdict(summary.area).items() if name not in _UNTOLD}
     return {
         "experiment": design.name,
         "option": condition.option,
@@ -98,8 +103,20 @@ def _row(
         "method": method,
         "label": design.upscalers[method].label,
         "landmarks": "shared",
-        **area,
+        **area_record(summary.area),
         "psnr_y_db": _finite(float(np.mean(decibels))) if len(decibels) else None,
+        **rates_record(summary),
+    }
+
+
+def area_record(area: AucEstimate) -> Record:
+    """Return what a row says of the area under the ROC curve."""
+    return {name: value for name, value in asdict(area).items() if name not in _UNTOLD}
+
+
+def rates_record(summary: Summary) -> Record:
+    """Return what a row says of error rates."""
+    return {
         "fta": summary.fta,
         "eer": summary.eer,
         "d_prime": summary.d_prime,
@@ -112,9 +129,14 @@ def _row(
 def _comparison(condition: Condition, pair: tuple[str, str], test: AucComparison) -> Record:
     method, against = pair
     names = {"option": condition.option, "ipd_px": condition.ipd_px}
-    numbers = {name: _finite(getattr(test, name)) for name in _TOLD}
-    return {**names, "method": method, "against": against, **numbers}
+    return {**names, "method": method, "against": against, **comparison_record(test)}
+
+
+def comparison_record(test: AucComparison) -> Record:
+    """Return the numbers of a paired test, None for those that are infinite."""
+    return {name: _finite(getattr(test, name)) for name in _TOLD}
 
 
 def _finite(value: float | None) -> float | None:
+    """Return a number as JSON has it; None for one that is infinite."""
     return float(value) if value is not None and math.isfinite(value) else None

@@ -15,6 +15,8 @@ from lrsr.evaluation.score_files.system import Name, System
 from lrsr.evaluation.score_files.writing import ScoreFile
 from lrsr.evaluation.scores import CosineScores
 from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.further import NAMES, Further, look_further
+from lrsr.experiments.labels import Labels, labels_of, labels_of_entry
 from lrsr.experiments.report.page import Panel
 from lrsr.experiments.table import Record, evaluate
 from lrsr.images import scale_points
@@ -49,12 +51,14 @@ class Outcome:
     Attributes:
         rows: A row a method, in the order asked for; see :func:`lrsr.experiments.table.evaluate`.
         comparisons: Each method against the picture as it is and against its bicubic.
+        further: Likelihood ratios, groups and quality.
         panel: ROC curve of each method, and the first people, by column: "Gallery", "Probe", each
             method's label, "Reference"; photographs of several sizes are not shown.
     """
 
     rows: Sequence[Record]
     comparisons: Sequence[Record]
+    further: Further
     panel: Panel
 
 
@@ -144,12 +148,14 @@ class Trial:
         references = {scale: self.references(condition, scale) for scale in self._scales}
         embedded: dict[str, list[_Floats]] = {method: [] for method in upscalers}
         decibels: dict[str, list[float]] = {method: [] for method in upscalers}
+        people: dict[str, Labels] = {}
         for place, some in chunks(probes):
             true = {
                 scale: source.load(place.start, place.stop)
                 for scale, source in references.items()
                 if source is not None
             }
+            people |= {one.identity_id: labels_of(one.traits) for one in some if one.traits}
             for method, upscaler in upscalers.items():
                 found, quality = self._enlarge_and_embed(some, upscaler, true.get(upscaler.scale))
                 embedded[method].append(found)
@@ -159,15 +165,21 @@ class Trial:
             method: CosineScores(np.concatenate(parts, dtype=np.float64), enrolled, *ids)
             for method, parts in embedded.items()
         }
+        systems = {
+            method: System(source, probes.names, gallery.names) for method, source in scores.items()
+        }
         if table is not None:
-            for method, source in scores.items():
-                name = self._system_name(condition, method, landmarks="shared")
-                table.add(name, System(source, probes.names, gallery.names))
-        rows, comparisons, curves = evaluate(self.design, condition, scores, decibels)
+            for method, system in systems.items():
+                table.add(self._system_name(condition, method, landmarks="shared"), system)
+        rows, comparisons, summaries = evaluate(self.design, condition, scores, decibels)
+        if isinstance(probes, Photographs):
+            people = {entry.identity_id: labels_of_entry(entry) for entry in probes.entries}
+        about = {row["method"]: {name: row[name] for name in NAMES} for row in rows}
+        further = look_further(self.design.asked, about, systems, summaries, people)
         pictures = self._pictures(probes, references, shown)
-        named = {upscalers[method].label: curve for method, curve in curves.items()}
-        panel = Panel(condition.title, named, pictures, ids[0][:_SHOWN])
-        return Outcome(rows, comparisons, panel)
+        named = {upscalers[method].label: summary.curve for method, summary in summaries.items()}
+        panel = Panel(condition.title, named, pictures, ids[0][:_SHOWN], further.figures)
+        return Outcome(rows, comparisons, further, panel)
 
     def _system_name(self, condition: Condition, method: str, landmarks: str) -> Name:
         size = "" if condition.ipd_px is None else f"{condition.ipd_px:g}"

@@ -9,9 +9,10 @@ from tqdm import tqdm
 
 from lrsr.evaluation.score_files.writing import score_file
 from lrsr.experiments.design import Design
+from lrsr.experiments.further import gather
 from lrsr.experiments.report.page import write_report
 from lrsr.experiments.report.sheets import draw_contact_sheet
-from lrsr.experiments.table import Record
+from lrsr.experiments.table import Record, with_holm
 from lrsr.experiments.trial import Outcome, Trial
 from lrsr.files import write_bytes, write_json
 from lrsr.pictures.cache import RenderCache
@@ -30,7 +31,8 @@ _DONE = (
     "over images.",
     "All methods share the renderer's true landmarks, so differences are not the detector's. Base "
     "is not free of interpolation: alignment enlarges it bilinearly to 112 pixels.",
-    "Intervals are DeLong's; tests are paired, on the same pairs of pictures.",
+    "Intervals are DeLong's; tests are paired, on the same pairs of pictures. Beside them stands "
+    "the bootstrap: whole people drawn with replacement, the same draws for all methods.",
 )
 _NOT_DONE = (
     "No face detector was run: a detector's failures on such small faces come on top.",
@@ -71,7 +73,10 @@ class Verification(Design):
             outcomes = list(tqdm(scored, "scoring", total, unit="condition", disable=not progress))
         results: dict[str, Any] = {
             "rows": [row for outcome in outcomes for row in outcome.rows],
-            "comparisons": [test for outcome in outcomes for test in outcome.comparisons],
+            "comparisons": with_holm(
+                [test for outcome in outcomes for test in outcome.comparisons]
+            ),
+            **gather([outcome.further for outcome in outcomes]),
             "config": self.describe(),
             "recognition": engine.describe(),
             "versions": versions(),

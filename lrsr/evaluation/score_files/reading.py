@@ -69,7 +69,7 @@ class _Reader:
 
 def read_scores(
     files: Sequence[Path],
-    format: str | None = None,  # noqa: A002  # what the setting is called
+    format: str | None = None,  # what the setting is called
     *,
     qualities: Sequence[str] = (),
     distance: bool = False,
@@ -98,7 +98,9 @@ def read_scores(
         lines = _lines_of(path)
         kind = format or _format_of(path, lines[0])
         if qualities and kind != "native":
-            raise InputError(f"{path}: quality={','.join(qualities)} needs a native file, not {kind}")
+            raise InputError(
+                f"{path}: quality={','.join(qualities)} needs a native file, not {kind}"
+            )
         _READERS[kind](reader, path, lines)
     mated = [listing.mated() for listing in reader.listings.values()]
     pairs = tuple(np.concatenate(side) for side in zip(*mated, strict=True))
@@ -120,7 +122,9 @@ def _lines_of(path: Path) -> list[str]:
     except (EOFError, zlib.error) as error:
         raise InputError(f"cannot read {path}: {error}; copy it again") from error
     except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}; choose another") from error
+        raise InputError(
+            f"cannot read {path}: {error.strerror or error}; choose another"
+        ) from error
     except UnicodeDecodeError as error:
         raise InputError(f"cannot read {path}: {error}; save it as UTF-8 text") from error
     if not any(line.strip() for line in lines):
@@ -185,8 +189,8 @@ def _columns(
     for name in needed:
         if names.count(name) != 1:
             raise InputError(
-                f"{path}, line 1: {names.count(name)} columns {name} among {', '.join(names)[:200]};"
-                " wanted one"
+                f"{path}, line 1: {names.count(name)} columns {name}; wanted one, and there are "
+                f"{', '.join(names)[:200]}"
             )
     return {name: place for place, name in enumerate(names)}, rows
 
@@ -202,13 +206,22 @@ def _each(
     number = 0
     for number, cells in rows:
         try:
-            if len(cells) != width:
-                raise ValueError(f"{len(cells)} cells, wanted {width}")
+            _check_width(cells, width)
             take(number, cells)
         except ValueError as error:
             raise InputError(f"{path}, line {number}: {error}; mend the line") from error
     if number == 0:
         raise InputError(f"{path} holds no scores below its header: add some")
+
+
+def _check_width(cells: Sequence[str], width: int) -> None:
+    """Refuse a line that is too short or too long.
+
+    Raises:
+        ValueError: It is.
+    """
+    if len(cells) != width:
+        raise ValueError(f"{len(cells)} cells, wanted {width}")
 
 
 def _read_native(reader: _Reader, path: Path, lines: list[str]) -> None:
@@ -273,7 +286,11 @@ def _read_bob(reader: _Reader, path: Path, lines: list[str]) -> None:
 
 
 def _read_bob_columns(reader: _Reader, path: Path, lines: list[str]) -> None:
-    """Read the older text: claimed id, [model,] real id, probe, score, parted by blanks."""
+    """Read the older text: claimed id, [model,] real id, probe, score, parted by blanks.
+
+    Raises:
+        InputError: The first line has another number of columns.
+    """
     width = len(lines[0].split())
     if width not in (4, 5):
         raise InputError(f"{path}, line 1: {width} columns, wanted 4 or 5 of bob's text; {_HINT}")
@@ -304,8 +321,8 @@ def _read_insightface(reader: _Reader, path: Path, lines: list[str]) -> None:
     first, second, label, score = (column[name] for name in INSIGHTFACE)
 
     def take(number: int, cells: list[str]) -> None:
-        pair = [reader.pictures.number(cells[place]) for place in (first, second)]
-        listing.add(number, *pair, reader.score(cells[score]), mated=_truth(cells[label]))
+        left, right = (reader.pictures.number(cells[place]) for place in (first, second))
+        listing.add(number, left, right, reader.score(cells[score]), mated=_truth(cells[label]))
 
     _each(path, rows, len(column), take)
 
@@ -321,18 +338,22 @@ def _read_lfw(reader: _Reader, path: Path, lines: list[str]) -> None:
                 f"{' '.join(cells)[:60]!r}: wanted NAME I J SCORE or NAME I OTHER J SCORE"
             )
         pair = [(cells[0], cells[1]), (cells[-3] if len(cells) == 5 else cells[0], cells[-2])]
-        places = [
+        left, right = (
             reader.pictures.number(f"{name}/{name}_{int(place):04d}.jpg", name)
             for name, place in pair
-        ]
-        listing.add(number, *places, reader.score(cells[-1]))
+        )
+        listing.add(number, left, right, reader.score(cells[-1]))
 
     for row in _words(lines, skip=int(header)):
         _each(path, iter([row]), len(row[1]), take)
 
 
 def _read_matrix(reader: _Reader, path: Path, lines: list[str]) -> None:
-    """Read a row a probe and a column a gallery image; equal identities are mated."""
+    """Read a row a probe and a column a gallery image; equal identities are mated.
+
+    Raises:
+        InputError: Two columns have one name.
+    """
     rows = _table(path, lines)
     ids = [name.strip() for name in next(rows)[1]][1:]
     if len({*ids}) < len(ids):

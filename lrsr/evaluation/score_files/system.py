@@ -152,7 +152,9 @@ class Listing:
         if twice.size:
             first = int(twice[np.argmin(line[order][twice + 1])])
             pair = f"{names[probe[first]]} and {names[gallery[first]]}"
-            self._refuse(line[order][first + 1], f"{pair} were scored before; keep one of the lines")
+            self._refuse(
+                line[order][first + 1], f"{pair} were scored before; keep one of the lines"
+            )
         codes = np.unique(np.array(people), return_inverse=True)[1]
         same = codes[probe] == codes[gallery]
         wrong = np.flatnonzero((mated[order] >= 0) & (same != mated[order].astype(bool)))
@@ -177,7 +179,10 @@ class Listing:
             source,
             [names[k] for k in rows],
             [names[k] for k in columns],
-            {name: np.array(values)[order][row].tolist() for name, values in self._qualities.items()},
+            {
+                name: np.array(values)[order][row].tolist()
+                for name, values in self._qualities.items()
+            },
         )
 
     def _arrays(self) -> tuple[Index, Index, np.ndarray, np.ndarray, Index]:

@@ -5,8 +5,9 @@ import gzip
 import io
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import count
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +36,7 @@ class ScoreFile:
     def __init__(self, folder: Path, stack: ExitStack, large: int) -> None:
         self._folder, self._stack, self._large = folder, stack, large
         self._waiting = io.BytesIO()
-        self._zipped: BinaryIO | None = None
+        self._zipped: gzip.GzipFile | None = None
         self._write(",".join((*NATIVE, *FURTHER)) + "\n")
 
     def add(self, name: Name, system: System) -> None:
@@ -46,19 +47,18 @@ class ScoreFile:
         probes, gallery = _quoted(system.probes), _quoted(system.gallery)
         who = _quoted(source.probe_ids), _quoted(source.gallery_ids)
         for tile in source.tiles():
-            mated = np.zeros(tile.scores.size, dtype=np.intp)
-            mated[tile.mates] = 1
-            flags = mated.reshape(tile.scores.shape).tolist()
-            for row, scores, same in zip(
-                range(tile.rows.start, tile.rows.stop), tile.scores.tolist(), flags, strict=True
-            ):
+            mated = np.zeros(tile.scores.shape, dtype=np.intp)
+            mated.reshape(-1)[tile.mates] = 1
+            flags: Any = mated.tolist()
+            values: Any = tile.scores.tolist()
+            for row, scores, same in zip(count(tile.first), values, flags, strict=False):
                 part = slice(None) if source.crossed else slice(row, row + 1)
                 before, after = f"{probes[row]},", f"{option},{who[0][row]},"
                 lines = zip(gallery[part], same, scores, who[1][part], strict=True)
                 self._write(
                     "".join(
-                        f"{before}{name},{m},{middle}{'NaN' if s != s else repr(s)}{after}{person}\n"
-                        for name, m, s, person in lines
+                        f"{before}{name},{m},{middle}{'NaN' if s != s else s!r}{after}{who_else}\n"
+                        for name, m, s, who_else in lines
                     )
                 )
 
@@ -67,8 +67,9 @@ class ScoreFile:
             path = self._stack.enter_context(replacing(self._folder / "scores.csv.gz"))
             raw = self._stack.enter_context(path.open("wb"))
             zipped = gzip.GzipFile("", "wb", 6, raw, mtime=0)  # equal scores, equal bytes
-            self._zipped = self._stack.enter_context(zipped)
-            self._zipped.write(self._waiting.getvalue())
+            self._stack.enter_context(zipped)
+            zipped.write(self._waiting.getvalue())
+            self._zipped = zipped
             self._waiting = io.BytesIO()
         (self._zipped or self._waiting).write(text.encode())
 

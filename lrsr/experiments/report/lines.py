@@ -55,6 +55,13 @@ def method_labels(rows: _Records) -> dict[str, str]:
     return {row["method"]: row["label"] for row in rows}
 
 
+def condition_of(record: Mapping[str, Any]) -> str:
+    """Return what a report calls the condition of a record; scores of others may have none."""
+    option, ipd_px = record["option"], record["ipd_px"]
+    words = [] if option is None else [f"Option {option}"]
+    return ", ".join([*words, *([] if ipd_px is None else [f"IPD {ipd_px:g} px"])]) or "All pairs"
+
+
 def _format_p(p: float, log10_p: float | None = None) -> str:
     r"""Write a p value with two digits, as a power of ten where it is small.
 
@@ -91,10 +98,9 @@ def _line(row: Mapping[str, Any], tests: Mapping[str, Any]) -> dict[str, Any]:
     cut = not degenerate and (low <= 0 or high >= 1) and row["logit_low"] is not None
     if cut:
         low, high = row["logit_low"], row["logit_high"]
-    size = "" if row["ipd_px"] is None else f", IPD {row['ipd_px']:g} px"
     return {
         **row,
-        "condition": f"Option {row['option']}{size}",
+        "condition": condition_of(row),
         "interval": "no interval" if degenerate else f"{low:.3f} – {high:.3f}",
         "low": low,
         "high": high,

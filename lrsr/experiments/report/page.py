@@ -12,8 +12,23 @@ import torch
 
 from lrsr.evaluation.roc import RocCurve
 from lrsr.experiments.report.figures import draw_intervals, draw_roc
-from lrsr.experiments.report.lines import best_methods, method_labels, report_lines
+from lrsr.experiments.report.lines import best_methods, condition_of, method_labels, report_lines
 from lrsr.pages import encode_face, write_page
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture of a report.
+
+    Attributes:
+        png: As a data URI.
+        alt: What it shows, for who cannot see it.
+        caption: What a reader must know.
+    """
+
+    png: str
+    alt: str
+    caption: str
 
 
 @dataclass(frozen=True)
@@ -26,12 +41,14 @@ class Panel:
         pictures: Columns of the contact sheet in order, e.g. Gallery, Probe, each method,
             Reference; each ``(n, 3, h, w)`` srgb in [0, 1], any size; may be empty.
         people: Names of the n people shown.
+        figures: Shown below the ROC curves.
     """
 
     title: str
     curves: Mapping[str, RocCurve] = field(default_factory=dict)
     pictures: Mapping[str, torch.Tensor] = field(default_factory=dict)
     people: Sequence[str] = ()
+    figures: Sequence[Figure] = ()
 
 
 def write_report(
@@ -41,15 +58,18 @@ def write_report(
     *,
     done: Sequence[str],
     not_done: Sequence[str],
+    page: str = "report",
 ) -> Path:
     """Write ``report.html``: self-contained, with every picture inside.
 
     Args:
         folder: Is made if need be.
-        results: What ``results.json`` holds: rows, comparisons, config, recognition, versions.
+        results: What ``results.json`` holds: rows, comparisons, config, recognition, versions;
+            likelihood_ratios, groups and discards, if there are any.
         panels: Curves and contact sheet of each condition.
         done: What was done, a sentence each.
         not_done: What was not, and what the numbers do not show.
+        page: Name of the template.
 
     Returns:
         Path of the file.
@@ -68,15 +88,21 @@ def write_report(
     ]
     return write_page(
         folder,
-        "report",
+        page,
         title=config["name"].replace("_", " ").capitalize(),
         question=config["question"],
         answer=list(best_methods(lines)),
         settings={**config, "recognition": results["recognition"]},
+        likelihoods=_told(results, "likelihood_ratios"),
+        groups=_told(results, "groups"),
+        discards=_told(results, "discards"),
         lines=lines,
         several_options=several,
         level=f"{100 * config['level']:g} %",
         against=[dict(some) for some in (others[:1], others[1:]) if some],  # the first is Base
+        shows_psnr=any(row["psnr_y_db"] is not None for row in rows),
+        boot=any(row.get("bootstrap_low") is not None for row in rows),
+        partial=next((part["max_fmr"] for part in rows[0].get("partial_auc", ())), None),
         target_fmrs=[f"{point['target_fmr']:g}" for point in rows[0]["fnmr"]],
         intervals=draw_intervals(labels, lines, "Area under the ROC curve"),
         panels=[_panel(panel, config["level"]) for panel in panels],
@@ -88,6 +114,11 @@ def write_report(
     )
 
 
+def _told(results: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
+    """Return further records with the words that their table has for the condition."""
+    return [{**one, "condition": condition_of(one)} for one in results.get(name, ())]
+
+
 def _panel(panel: Panel, level: float) -> dict[str, Any]:
     columns = {
         label: [encode_face(face) for face in np.asarray(faces)]
@@ -96,6 +127,7 @@ def _panel(panel: Panel, level: float) -> dict[str, Any]:
     return {
         "title": panel.title,
         "roc": draw_roc(panel.curves, level) if panel.curves else None,
+        "figures": panel.figures,
         "columns": [(label, *np.shape(faces)[-2:]) for label, faces in panel.pictures.items()],
         "people": list(zip(panel.people, zip(*columns.values(), strict=True), strict=False)),
     }
