@@ -24,7 +24,7 @@ from lrsr.evaluation.delong import normal_quantile
 from lrsr.evaluation.pooled import PooledPairs
 from lrsr.evaluation.scores import Index, ScoreSource
 
-TIPPETT_LLRS = np.round(np.arange(-6, 6.01, 0.25), 10)
+TIPPETT_LLRS = np.round(np.arange(-6, 6.01, 0.1), 10)
 """Where Tippett curves are measured, log10 LR."""
 
 ECE_ODDS = np.round(np.arange(-3, 3.01, 0.2), 10)

@@ -22,6 +22,9 @@ from lrsr.experiments.table import Record
 _FEWEST = 10
 """People below which a group is not told of."""
 
+_FMR = 0.01
+"""Of the threshold at which groups and qualities are compared, where the data suffice."""
+
 _ENDS = ("", "_low", "_high")
 
 logger = logging.getLogger(__name__)
@@ -121,10 +124,12 @@ def _plain(evidence: Evidence) -> Record:
 
 
 def _threshold_of(points: Sequence[OperatingPoint]) -> OperatingPoint | None:
-    """Return the operating point of the least FMR that enough false matches are expected at."""
-    sure = [
-        point for point in points if not point.few_false_matches and point.threshold is not None
-    ]
+    """Return the operating point of FMR 0.01, of a larger one where that expects too few errors."""
+    sure = (
+        one
+        for one in points
+        if not one.few_false_matches and one.threshold is not None and one.target_fmr >= _FMR
+    )
     return min(sure, key=lambda point: point.target_fmr, default=None)
 
 

@@ -1,7 +1,7 @@
 """What do anybody's scores say? The same tables and pages as of our own experiments."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -131,7 +131,7 @@ class Scoring:
         conditions: dict[tuple[str, str], dict[str, tuple[Name, System]]] = {}
         for name, system in found.items():
             here = conditions.setdefault((name.option, name.ipd_px), {})
-            here[_key(name)] = name, system
+            here[_key(name, found)] = name, system
         rows: list[Record] = []
         tests: list[Record] = []
         further: list[Further] = []
@@ -180,7 +180,7 @@ class Scoring:
                     "option": int(name.option) if name.option.isdigit() else name.option or None,
                     "ipd_px": _ipd(name.ipd_px),
                     "method": key,
-                    "label": key if len(members) > 1 else name.method,
+                    "label": key,
                     "landmarks": name.landmarks or None,
                     "recogniser": name.recogniser or None,
                     **area_record(summary.area),
@@ -215,7 +215,7 @@ class Scoring:
 
     def _export(self, folder: Path, found: Mapping[Name, System]) -> None:
         for name, system in found.items():
-            words_of = [name.option and f"option{name.option}", name.ipd_px, _key(name)]
+            words_of = [name.option and f"option{name.option}", name.ipd_px, _key(name, found)]
             stem = "-".join(filter(None, words_of)).replace("/", "_").replace(" ", "_")
             write_bob(folder / f"scores-{stem}.csv", system)
 
@@ -227,9 +227,12 @@ _NOT_DONE = (
 )
 
 
-def _key(name: Name) -> str:
-    """Name a method by all that sets it apart from others under the same condition."""
-    return " ".join(filter(None, (name.method, name.landmarks, name.recogniser)))
+def _key(name: Name, among: Collection[Name]) -> str:
+    """Name a method by what sets it apart from others."""
+    landmarks = len({one.landmarks for one in among}) > 1
+    recognisers = len({one.recogniser for one in among}) > 1
+    parts = (name.method, name.landmarks * landmarks, name.recogniser * recognisers)
+    return " ".join(filter(None, parts))
 
 
 def _ipd(text: str) -> float | None:

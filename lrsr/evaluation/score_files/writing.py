@@ -37,10 +37,25 @@ class ScoreFile:
         self._folder, self._stack, self._large = folder, stack, large
         self._waiting = io.BytesIO()
         self._zipped: gzip.GzipFile | None = None
-        self._write(",".join((*NATIVE, *FURTHER)) + "\n")
+        self._header: tuple[str, ...] = ()
 
     def add(self, name: Name, system: System) -> None:
-        """Write all pairs of a system, every digit of their scores; NaN = failure to acquire."""
+        """Write all pairs of a system, every digit of their scores; NaN = failure to acquire.
+
+        Args:
+            name: Of the system.
+            system: Its scores; measures of quality are columns, the same for all systems.
+
+        Raises:
+            ValueError: It has other measures of quality than the first one.
+        """
+        header = (*NATIVE, *FURTHER, *_quoted(system.qualities))
+        if self._header and header != self._header:
+            raise ValueError(f"qualities {list(system.qualities)}: wanted those of the first")
+        if not self._header:
+            self._write(",".join(header) + "\n")
+        self._header = header
+        worth = [*zip(*system.qualities.values(), strict=True)] or [()] * len(system.probes)
         source, said = system.source, [name.method, name.landmarks, name.recogniser]
         middle = "".join(f"{text}," for text in _quoted(said))
         option = "".join(f",{text}" for text in _quoted([name.option, name.ipd_px]))
@@ -54,11 +69,12 @@ class ScoreFile:
             for row, scores, same in zip(count(tile.first), values, flags, strict=False):
                 part = slice(None) if source.crossed else slice(row, row + 1)
                 before, after = f"{probes[row]},", f"{option},{who[0][row]},"
+                end = "".join(f",{quality!r}" for quality in worth[row]) + "\n"
                 lines = zip(gallery[part], same, scores, who[1][part], strict=True)
                 self._write(
                     "".join(
-                        f"{before}{name},{m},{middle}{'NaN' if s != s else s!r}{after}{who_else}\n"
-                        for name, m, s, who_else in lines
+                        f"{before}{name},{m},{middle}{'NaN' if s != s else s!r}{after}{person}{end}"
+                        for name, m, s, person in lines
                     )
                 )
 

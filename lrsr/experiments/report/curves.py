@@ -83,7 +83,7 @@ def draw_ece(found: Mapping[str, Evidence]) -> str:
             evidence.ece_min.values,
             color=_BEST,
             linestyle=(0, (4, 1)),
-            label="best rising",
+            label="best rising calibration",
         )
         axes.set(xlim=(ECE_ODDS[0], ECE_ODDS[-1]), ylim=(0, 1.05))
 
@@ -118,11 +118,11 @@ def _small(
     found: Mapping[str, Any], draw: Callable[[Axes, Any], None], xlabel: str, ylabel: str
 ) -> str:
     """Draw one small picture for each, with one legend for all."""
-    across = min(_ACROSS, len(found))
+    across = 2 if len(found) == 4 else min(_ACROSS, len(found))
     down = math.ceil(len(found) / across)
     with rc_context(STYLE):
         figure = Figure(
-            figsize=(2.4 * max(across, 2), 2.1 * down + 0.3), dpi=DPI, layout="constrained"
+            figsize=(7.2 if across > 1 else 4.8, 2.1 * down + 0.3), dpi=DPI, layout="constrained"
         )
         grid = figure.subplots(down, across, squeeze=False, sharey=True)
         for axes, (title, what) in zip(grid.flat, found.items(), strict=False):
@@ -164,7 +164,7 @@ def _draw_cmc(axes: Axes, ranks: Mapping[str, CmcCurve]) -> None:
     for number, (label, curve) in enumerate(ranks.items()):
         places = np.arange(1, curve.hit_rate.size + 1)
         named = f"{label}  {100 * curve.rank_1:.1f} %"
-        axes.plot(places, curve.hit_rate, label=named, zorder=3 + number, **_style(number))
+        axes.step(places, curve.hit_rate, where="post", label=named, **_style(number))
     if last > 20:
         axes.set(xscale="log")
     axes.xaxis.set_major_formatter(FuncFormatter(lambda place, _: f"{place:g}"))

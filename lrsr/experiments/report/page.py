@@ -94,8 +94,7 @@ def write_report(
         answer=list(best_methods(lines)),
         settings={**config, "recognition": results["recognition"]},
         likelihoods=_told(results, "likelihood_ratios"),
-        groups=_told(results, "groups"),
-        discards=_told(results, "discards"),
+        groups=_by_group(_told(results, "groups")),
         lines=lines,
         several_options=several,
         level=f"{100 * config['level']:g} %",
@@ -117,6 +116,17 @@ def write_report(
 def _told(results: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
     """Return further records with the words that their table has for the condition."""
     return [{**one, "condition": condition_of(one)} for one in results.get(name, ())]
+
+
+def _by_group(records: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return a line a condition and group, with a cell for each method."""
+    lines: dict[tuple[str, str], dict[str, Any]] = {}
+    for record in records:
+        name = f"{record['trait']}: {record['group']}"
+        told = {key: record[key] for key in ("condition", "people", "target_fmr")}
+        line = lines.setdefault((record["condition"], name), {"name": name, "cells": {}, **told})
+        line["cells"][record["label"]] = record
+    return list(lines.values())
 
 
 def _panel(panel: Panel, level: float) -> dict[str, Any]:
