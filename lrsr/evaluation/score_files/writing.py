@@ -65,7 +65,7 @@ class ScoreFile:
             mated = np.zeros(tile.scores.shape, dtype=np.intp)
             mated.reshape(-1)[tile.mates] = 1
             flags: Any = mated.tolist()
-            values: Any = tile.scores.tolist()
+            values = [["NaN" if s != s else repr(s) for s in row] for row in tile.scores.tolist()]
             for row, scores, same in zip(count(tile.first), values, flags, strict=False):
                 part = slice(None) if source.crossed else slice(row, row + 1)
                 before, after = f"{probes[row]},", f"{option},{who[0][row]},"
@@ -73,7 +73,7 @@ class ScoreFile:
                 lines = zip(gallery[part], same, scores, who[1][part], strict=True)
                 self._write(
                     "".join(
-                        f"{before}{name},{m},{middle}{'NaN' if s != s else s!r}{after}{person}{end}"
+                        f"{before}{name},{m},{middle}{s}{after}{person}{end}"
                         for name, m, s, person in lines
                     )
                 )
