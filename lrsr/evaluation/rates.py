@@ -82,9 +82,10 @@ class CmcCurve:
 def equal_error_rate(curve: RocCurve) -> float:
     """Read off a curve the rate at which FMR and FNMR are equal, [0, 1].
 
-    It is where the two step functions of the threshold cross. If both jump there (genuine and
-    impostor scores tie), the rule of FVC2000 (Maio et al., IEEE TPAMI 24, 2002) is taken: of the
-    two thresholds on either side, the mean of FMR and FNMR at the one where their sum is less.
+    Where the FNMR jumps past the FMR, the rule of FVC2000 (Maio et al., IEEE TPAMI 24, 2002) is
+    taken, as pyeer and bob.measure do: of the two thresholds on either side, the mean of FMR and
+    FNMR at the one where their sum is less. Where only the FMR passes, in steps of one impostor
+    score, the FNMR is the answer, less than half such a step from that rule.
 
     Args:
         curve: Of :func:`lrsr.evaluation.roc.trace_roc_of`.
@@ -97,9 +98,7 @@ def equal_error_rate(curve: RocCurve) -> float:
     """
     after = int(np.argmax(curve.fmr >= curve.fnmr))
     (x0, y0), (x1, y1) = ((float(curve.fmr[k]), float(curve.fnmr[k])) for k in (after - 1, after))
-    if x1 == y1 or y0 == y1:
-        return y1
-    return x0 if x0 == x1 else min(x0 + y0, x1 + y1) / 2
+    return y1 if y1 in (x1, y0) else min(x0 + y0, x1 + y1) / 2
 
 
 class Rates:
