@@ -21,12 +21,12 @@ from lrsr.evaluation.pairs import PairScores
 from lrsr.evaluation.score_files.system import Listing, Name, Pictures, System
 
 NATIVE = ("probe", "gallery", "mated", "method", "landmarks", "recogniser", "score")
-"""Columns of our own files; the last is needed, and ``mated`` or :data:`SUBJECTS`."""
+"""Columns of our own files; the last is needed, and ``mated`` or whom both pictures show."""
 
 FURTHER = ("option", "ipd_px", "probe_subject", "gallery_subject")
-SUBJECTS = FURTHER[2:]
-BOB = ("bio_ref_subject_id", "probe_subject_id", "score")
-INSIGHTFACE = ("image1_path", "image2_path", "label", "score")
+_SUBJECTS = FURTHER[2:]
+_BOB = ("bio_ref_subject_id", "probe_subject_id", "score")
+_INSIGHTFACE = ("image1_path", "image2_path", "label", "score")
 FORMATS = ("native", "matrix", "bob", "bob_columns", "insightface", "lfw", "genuine_impostor")
 _MATED = {"1": 1, "0": 0, "true": 1, "false": 0}
 _HINT = f"say which of {', '.join(FORMATS)} it is by format=..."
@@ -139,7 +139,7 @@ def _format_of(path: Path, first: str) -> str:
         InputError: It tells none.
     """
     names = _cells(first)
-    for kind, columns in (("bob", BOB), ("insightface", INSIGHTFACE)):
+    for kind, columns in (("bob", _BOB), ("insightface", _INSIGHTFACE)):
         if set(columns) <= {*names}:
             return kind
     if {"probe", "gallery", "score"} <= {*names}:
@@ -226,15 +226,15 @@ def _check_width(cells: Sequence[str], width: int) -> None:
 
 def _read_native(reader: _Reader, path: Path, lines: list[str]) -> None:
     column, rows = _columns(path, lines, ("probe", "gallery", "score", *reader.qualities))
-    subjects = set(SUBJECTS) <= column.keys()
+    subjects = set(_SUBJECTS) <= column.keys()
     if not subjects and "mated" not in column:
         raise InputError(
-            f"{path}, line 1: who is who? Add a column mated (1 or 0), or {' and '.join(SUBJECTS)}"
+            f"{path}, line 1: who is who? Add a column mated (1 or 0), or {' and '.join(_SUBJECTS)}"
         )
     probe, gallery, score = (column[name] for name in ("probe", "gallery", "score"))
     keys = [(name, column[name]) for name in Name.__dataclass_fields__ if name in column]
     mated, qualities = column.get("mated"), [column[name] for name in reader.qualities]
-    people = [column[name] for name in SUBJECTS] if subjects else []
+    people = [column[name] for name in _SUBJECTS] if subjects else []
     parts = ("probe", "gallery") if subjects else ("", "")  # without, a name is one picture
     names: dict[tuple[str, ...], Listing] = {}
 
@@ -263,9 +263,9 @@ def _called(name: Name, path: Path) -> Name:
 
 
 def _read_bob(reader: _Reader, path: Path, lines: list[str]) -> None:
-    column, rows = _columns(path, lines, BOB)
+    column, rows = _columns(path, lines, _BOB)
     listing = reader.listing(_called(Name(), path), path)
-    reference, probe, score = (column[name] for name in BOB)
+    reference, probe, score = (column[name] for name in _BOB)
     template = [
         column.get(name, column[subject])
         for name, subject in (
@@ -316,9 +316,9 @@ def _words(lines: list[str], skip: int = 0) -> Iterator[tuple[int, list[str]]]:
 
 def _read_insightface(reader: _Reader, path: Path, lines: list[str]) -> None:
     """Read pairs of files and whether they show one person; a column more than insightface's."""
-    column, rows = _columns(path, lines, INSIGHTFACE)
+    column, rows = _columns(path, lines, _INSIGHTFACE)
     listing = reader.listing(_called(Name(), path), path)
-    first, second, label, score = (column[name] for name in INSIGHTFACE)
+    first, second, label, score = (column[name] for name in _INSIGHTFACE)
 
     def take(number: int, cells: list[str]) -> None:
         left, right = (reader.pictures.number(cells[place]) for place in (first, second))

@@ -15,7 +15,7 @@ from lrsr.evaluation.score_files.reading import FURTHER, NATIVE
 from lrsr.evaluation.score_files.system import Name, System
 from lrsr.files import replacing
 
-LARGE = 16 << 20
+_LARGE = 16 << 20
 """Bytes of text from which on our table is gzipped: 16 MiB, some 200,000 scores."""
 
 _BOB = (
@@ -99,7 +99,7 @@ class ScoreFile:
 
 
 @contextmanager
-def score_file(folder: Path, large: int = LARGE) -> Iterator[ScoreFile]:
+def score_file(folder: Path, large: int = _LARGE) -> Iterator[ScoreFile]:
     """Give a table of scores that is there, whole, when the block has succeeded.
 
     Args:
