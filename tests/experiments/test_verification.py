@@ -57,8 +57,7 @@ def test_results_hold_what_the_stable_surface_promises(done: Path) -> None:
     assert results["config"]["seed"] == 5
 
 
-def test_scores_that_were_written_down_give_the_same_rows(tmp_path: Path, tone_model: Path) -> None:
-    folder = run(tmp_path, tone_model)
+def test_scores_that_were_written_down_give_the_same_rows(done: Path, tmp_path: Path) -> None:
     asked = Asked(level=0.9, bootstrap=0, seed=5, calibration="logistic")
     again = Scoring((done / "scores.csv",), asked).run(tmp_path / "again")
     rows, same = (
