@@ -21,6 +21,10 @@ from numpy.typing import NDArray
 from lrsr.errors import InputError
 
 _CPU = ("CPUExecutionProvider",)
+_GPUS = ("CUDAExecutionProvider", "ROCMExecutionProvider", "CoreMLExecutionProvider")
+
+#: What each channel is given: one number for all, or one for each.
+PerChannel = float | tuple[float, float, float]
 
 #: None: any size.
 _Shape = tuple[int | None, ...]
@@ -34,11 +38,19 @@ logger = logging.getLogger(__name__)
 
 
 def providers_on(device: str) -> tuple[str, ...]:
-    """Return who computes: CUDA where it is asked for ("cuda") and there, else the CPU."""
-    if not device.startswith("cuda"):
+    """Return who computes.
+
+    Args:
+        device: "cpu"; "cuda", where onnxruntime has it, else the CPU with a warning; or "auto", any
+            GPU that onnxruntime has, else the CPU.
+    """
+    if device == "cpu":
         return _CPU
-    if "CUDAExecutionProvider" in importlib.import_module("onnxruntime").get_available_providers():
-        return ("CUDAExecutionProvider", *_CPU)
+    there = importlib.import_module("onnxruntime").get_available_providers()
+    wanted = _GPUS if device == "auto" else _GPUS[:1]
+    found = tuple(name for name in wanted if name in there)
+    if found or device == "auto":
+        return (*found, *_CPU)
     logger.warning(
         "device=%s: this onnxruntime has no CUDA, so its networks run on the CPU", device
     )
@@ -72,15 +84,16 @@ def open_session(model: Path, providers: Sequence[str] = _CPU) -> Any:
 
 
 def run_session(
-    session: Any, model: Path, inputs: NDArray[np.float32], *, batch_size: int
+    session: Any, model: Path, inputs: NDArray[np.float32], *, batch_size: int, output: str = ""
 ) -> NDArray[np.float32]:
-    """Run a model of one input and one output over a batch, part by part.
+    """Run a model of one input over a batch, part by part.
 
     Args:
         session: Of :func:`open_session`.
         model: Its file, for messages.
         inputs: ``(B, ...)``, B > 0.
         batch_size: Of a part; a graph with a fixed batch overrules it, and is filled up.
+        output: Which one, where the graph has several; "": the first.
 
     Returns:
         ``(B, ...)`` float32.
@@ -90,12 +103,12 @@ def run_session(
     """
     argument = session.get_inputs()[0]
     fixed, count = isinstance(argument.shape[0], int), len(inputs)
-    size = argument.shape[0] if fixed else batch_size
+    size, wanted = argument.shape[0] if fixed else batch_size, [output] if output else None
     if fixed and (spare := -count % size):
         inputs = np.concatenate([inputs, np.repeat(inputs[-1:], spare, axis=0)])
     try:
         parts = [
-            session.run(None, {argument.name: inputs[start : start + size]})[0]
+            session.run(wanted, {argument.name: inputs[start : start + size]})[0]
             for start in range(0, len(inputs), size)
         ]
     except Exception as error:  # as above
@@ -105,7 +118,13 @@ def run_session(
 
 
 def check_graph(
-    session: Any, model: Path, what: str, takes: _Shape, returns: _Shape, words: tuple[str, str]
+    session: Any,
+    model: Path,
+    what: str,
+    takes: _Shape,
+    returns: _Shape,
+    words: tuple[str, str],
+    output: str = "",
 ) -> None:
     """Hold a graph against its contract.
 
@@ -116,11 +135,17 @@ def check_graph(
         takes: Shape of the input, None where any size will do.
         returns: The same of the output.
         words: The contract's, for both.
+        output: Which one is meant, where there are several; "": the only one.
 
     Raises:
         InputError: They disagree, or there is not one input and one output of floats.
     """
     inputs, outputs = session.get_inputs(), session.get_outputs()
+    if output:
+        names = [end.name for end in outputs]
+        if output not in names:
+            raise InputError(f"{model}: has no output {output!r}; it has {', '.join(names)}")
+        outputs = [outputs[names.index(output)]]
     if len(inputs) != 1 or len(outputs) != 1:
         raise InputError(
             f"{model}: has {len(inputs)} inputs and {len(outputs)} outputs; {what} has one of each"
@@ -206,11 +231,21 @@ def _checked(value: Any, field: Any, name: str, path: Path) -> Any:
         raise InputError(f"{path}: {name} is missing; declare it")
     if value is None:
         return field.default
-    if field.type is float and type(value) is int:
+    if field.type == PerChannel and isinstance(value, list):
+        if len(value) != 3 or not all(type(v) in (int, float) and math.isfinite(v) for v in value):
+            raise InputError(f"{path}: {name} = {value!r}; wanted a number, or three")
+        return tuple(map(float, value))
+    if field.type in (float, PerChannel) and type(value) is int:
         value = float(value)
+    if field.type == PerChannel and type(value) is float and math.isfinite(value):
+        return value
     if type(value) is not field.type or (isinstance(value, float) and not math.isfinite(value)):
-        raise InputError(f"{path}: {name} = {value!r}; wanted {field.type.__name__}")
+        raise InputError(f"{path}: {name} = {value!r}; wanted {_kind(field)}")
     return value
+
+
+def _kind(field: Any) -> str:
+    return "a number, or three" if field.type == PerChannel else str(field.type.__name__)
 
 
 def _agree(got: Sequence[object], wanted: _Shape) -> bool:

@@ -21,7 +21,10 @@ from lrsr.evaluation.arrays import plain_array
 from lrsr.images import check_images
 
 CROP_PX = 112
-"""Side of the aligned face, px."""
+"""Side of the aligned face that :data:`TEMPLATE_PX` is made for, px."""
+
+TEMPLATES = ("arcface5",)
+"""Ways to bring a face to an embedder's pixels, as its contract's ``alignment.template``."""
 _FARTHEST = 4
 """A face that is cut off may reach beyond its picture, but not so many times."""
 
@@ -155,17 +158,23 @@ def _unit_square(height: int, width: int) -> NDArray[np.float64]:
 
 
 def align(
-    srgb: torch.Tensor, landmarks_px: ArrayLike, *, antialias: bool
+    srgb: torch.Tensor,
+    landmarks_px: ArrayLike,
+    *,
+    antialias: bool,
+    size_px: tuple[int, int] = (CROP_PX, CROP_PX),
 ) -> tuple[torch.Tensor, NDArray[np.bool_]]:
-    """Bring faces to the 112×112 template.
+    """Bring faces to the template.
 
     Args:
         srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
         landmarks_px: ``(B, 5, 2)``; a NaN, or a mask, says that no face was found.
         antialias: See :func:`warp`.
+        size_px: Height h and width w of a crop. The template is multiplied by h / 112, as
+            insightface does, and centred in the width.
 
     Returns:
-        The crops ``(B, 3, 112, 112)``, black where no face was found, and ``(B,)``: was one found?
+        The crops ``(B, 3, h, w)``, black where no face was found, and ``(B,)``: was one found?
 
     Raises:
         ImageContractError: Images or landmarks have another shape, their numbers differ, or the
@@ -176,7 +185,8 @@ def align(
     if len(matrices) != len(srgb):
         raise ImageContractError(f"{len(srgb)} images but landmarks for {len(matrices)}")
     found: NDArray[np.bool_] = np.isfinite(matrices[:, 0, 0])
-    crops = srgb.new_zeros(len(srgb), 3, CROP_PX, CROP_PX)
+    height, width = size_px
+    crops = srgb.new_zeros(len(srgb), 3, height, width)
     if found.any():
         spread, size = np.ptp(read_landmarks(landmarks_px)[found], axis=1).max(), srgb.shape[-2:]
         if spread > _FARTHEST * max(size):
@@ -184,6 +194,8 @@ def align(
                 f"landmarks_px: {spread:g} px from one to another in pictures of {tuple(size)},"
                 f" wanted at most {_FARTHEST} times the picture"
             )
-        rows = torch.from_numpy(found)
-        crops[rows] = warp(srgb[rows], matrices[found], size_px=CROP_PX, antialias=antialias)
+        rows, fitted = torch.from_numpy(found), matrices[found] * (height / CROP_PX)
+        fitted[:, 0, 2] += (width - height) / 2
+        square = warp(srgb[rows], fitted, size_px=max(size_px), antialias=antialias)
+        crops[rows] = square[:, :, :height, :width]
     return crops, found

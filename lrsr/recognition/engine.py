@@ -21,7 +21,7 @@ class Engine:
     Args:
         model: An ONNX embedder with its contract beside it; default: the one that ships.
         antialias: Overrules the contract's: average when alignment makes a face smaller?
-        device: Where the embedder runs, "cpu" or "cuda".
+        device: Where the embedder runs; see :func:`lrsr.onnx.providers_on`.
 
     Raises:
         InputError: See :class:`lrsr.recognition.embedding.Embedder`.
@@ -49,8 +49,10 @@ class Engine:
                 the images lie outside [0, 1] or need a gradient, which would end here.
         """
         check_srgb(srgb)
-        crops, found = align(srgb, landmarks_px, antialias=self.antialias)
-        result = np.full((len(crops), self.embedder.contract.dimension), np.nan, dtype=np.float32)
+        contract = self.embedder.contract
+        size_px = contract.height_px, contract.width_px
+        crops, found = align(srgb, landmarks_px, antialias=self.antialias, size_px=size_px)
+        result = np.full((len(crops), contract.dimension), np.nan, dtype=np.float32)
         result[found] = self.embedder(crops[torch.from_numpy(found)])
         return result
 
