@@ -10,9 +10,10 @@ import logging
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args, get_origin
 
 import numpy as np
 import torch
@@ -101,20 +102,74 @@ def run_session(
     Raises:
         InputError: The model cannot take such inputs.
     """
+    names = [output] if output else None
+    parts = [outputs[0] for _, outputs in _run_parts(session, model, inputs, batch_size, names)]
+    return np.concatenate(parts)[: len(inputs)].astype(np.float32, copy=False)
+
+
+def run_lists(
+    session: Any,
+    model: Path,
+    inputs: NDArray[np.float32],
+    names: Sequence[str],
+    *,
+    batch_size: int,
+) -> list[NDArray[np.float32]]:
+    """Run a model that returns lists of numbers for each image, such as a detector.
+
+    Args:
+        session: Of :func:`open_session`.
+        model: Its file, for messages.
+        inputs: ``(B, ...)``, B > 0.
+        names: Of the outputs that are wanted.
+        batch_size: As for :func:`run_session`.
+
+    Returns:
+        ``(B, N, C)`` float32 for each name: C of the last axis, N of all between it and the batch,
+        whether or not a graph for one image at a time has an axis for the batch.
+
+    Raises:
+        InputError: The model cannot take such inputs, or what it returns is no such list.
+    """
+    parts = _run_parts(session, model, inputs, batch_size, list(names))
+    lists = []
+    for number, name in enumerate(names):
+        rows = []
+        for images, outputs in parts:
+            array = np.asarray(outputs[number], dtype=np.float32)
+            if array.ndim < 2 or array.size % (images * array.shape[-1]):
+                raise InputError(
+                    f"{model}: output {name} has shape {array.shape} for {images} images;"
+                    " wanted a list for each"
+                )
+            rows.append(array.reshape(images, -1, array.shape[-1]))
+        lists.append(np.concatenate(rows)[: len(inputs)])
+    return lists
+
+
+def _run_parts(
+    session: Any,
+    model: Path,
+    inputs: NDArray[np.float32],
+    batch_size: int,
+    names: list[str] | None,
+) -> list[tuple[int, list[Any]]]:
+    """Return images and outputs of each part of a batch; a fixed batch's last is filled up.
+
+    Raises:
+        InputError: The model cannot take such inputs.
+    """
     argument = session.get_inputs()[0]
     fixed, count = isinstance(argument.shape[0], int), len(inputs)
-    size, wanted = argument.shape[0] if fixed else batch_size, [output] if output else None
+    size = argument.shape[0] if fixed else batch_size
     if fixed and (spare := -count % size):
         inputs = np.concatenate([inputs, np.repeat(inputs[-1:], spare, axis=0)])
+    parts = [inputs[start : start + size] for start in range(0, len(inputs), size)]
     try:
-        parts = [
-            session.run(wanted, {argument.name: inputs[start : start + size]})[0]
-            for start in range(0, len(inputs), size)
-        ]
+        return [(len(part), session.run(names, {argument.name: part})) for part in parts]
     except Exception as error:  # as above
         got, why = inputs.shape[1:], _reason(error)
         raise InputError(f"{model}: cannot take an input of {got} ({why}); mend it") from error
-    return np.concatenate(parts)[:count].astype(np.float32, copy=False)
 
 
 def check_graph(
@@ -176,7 +231,8 @@ def read_declared(
     """Read the contract beside ``model`` and check the model's bytes against its sha256.
 
     Args:
-        kind: A dataclass of plain types. A field with a default may be left out of the file.
+        kind: A dataclass of plain types and tuples of them, ``tuple[int, ...]``. A field with a
+            default may be left out of the file.
         model: Path of the ``.onnx`` file.
         tables: Where each field stands.
         choices: What may stand in a field, by "table.field".
@@ -231,21 +287,35 @@ def _checked(value: Any, field: Any, name: str, path: Path) -> Any:
         raise InputError(f"{path}: {name} is missing; declare it")
     if value is None:
         return field.default
-    if field.type == PerChannel and isinstance(value, list):
-        if len(value) != 3 or not all(type(v) in (int, float) and math.isfinite(v) for v in value):
-            raise InputError(f"{path}: {name} = {value!r}; wanted a number, or three")
-        return tuple(map(float, value))
-    if field.type in (float, PerChannel) and type(value) is int:
+    try:
+        return _typed(value, field.type)
+    except TypeError as error:
+        raise InputError(f"{path}: {name} = {value!r}; wanted {error}") from error
+
+
+def _typed(value: Any, kind: Any) -> Any:
+    """Return a value of TOML as the type of a field: a plain one, or a tuple of any number of them.
+
+    Raises:
+        TypeError: It is another; the message says which is wanted.
+    """
+    if kind == PerChannel:
+        with suppress(TypeError):
+            if not isinstance(value, list):
+                return _typed(value, float)
+            if len(value) == 3:
+                return tuple(_typed(each, float) for each in value)
+        raise TypeError("a number, or three")
+    if get_origin(kind) is tuple:
+        inner = get_args(kind)[0]
+        if not isinstance(value, list):
+            raise TypeError("a list")
+        return tuple(_typed(each, inner) for each in value)
+    if kind is float and type(value) is int:
         value = float(value)
-    if field.type == PerChannel and type(value) is float and math.isfinite(value):
-        return value
-    if type(value) is not field.type or (isinstance(value, float) and not math.isfinite(value)):
-        raise InputError(f"{path}: {name} = {value!r}; wanted {_kind(field)}")
+    if type(value) is not kind or (isinstance(value, float) and not math.isfinite(value)):
+        raise TypeError(kind.__name__)
     return value
-
-
-def _kind(field: Any) -> str:
-    return "a number, or three" if field.type == PerChannel else str(field.type.__name__)
 
 
 def _agree(got: Sequence[object], wanted: _Shape) -> bool:

@@ -1,0 +1,1 @@
+"""From a picture to the faces on it: box, score and five landmarks each."""
