@@ -6,6 +6,7 @@ range, ...) is taken from the contract and from nowhere else. This is the home o
 
 import hashlib
 import importlib
+import json
 import logging
 import math
 import tomllib
@@ -26,6 +27,9 @@ _GPUS = ("CUDAExecutionProvider", "ROCMExecutionProvider", "CoreMLExecutionProvi
 
 #: What each channel is given: one number for all, or one for each.
 PerChannel = float | tuple[float, float, float]
+
+DEVICES = ("auto", "cpu", "cuda")
+"""Where networks run; see :func:`providers_on`."""
 
 #: None: any size.
 _Shape = tuple[int | None, ...]
@@ -212,6 +216,26 @@ def check_graph(
                 f"{model}: {verb} {end.type} {end.shape}, its contract says {said};"
                 " mend the contract or give the model it was written for"
             )
+
+
+def declared_text(document: Mapping[str, Any]) -> str:
+    """Return a contract as TOML: plain values first, then its tables of plain values and lists.
+
+    Example:
+        >>> print(declared_text({"input": {"mean": [104, 117, 123]}, "licence": "MIT"}), end="")
+        licence = "MIT"
+        <BLANKLINE>
+        [input]
+        mean = [104, 117, 123]
+    """
+    tables = {name: part for name, part in document.items() if isinstance(part, Mapping)}
+    lines = []
+    for table, part in {"": document, **tables}.items():
+        lines += ["", f"[{table}]"] if table else []
+        plain = {name: value for name, value in part.items() if not isinstance(value, Mapping)}
+        # JSON is TOML, for such values
+        lines += [f"{name} = {json.dumps(v, ensure_ascii=False)}" for name, v in plain.items()]
+    return "\n".join(lines) + "\n"
 
 
 def contract_path(model: Path) -> Path:

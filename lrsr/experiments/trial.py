@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from lrsr.camera import Camera
 from lrsr.evaluation.quality import psnr_y
-from lrsr.evaluation.scores import CosineScores
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.report.page import Panel
 from lrsr.experiments.table import Record, evaluate
@@ -30,7 +29,7 @@ from lrsr.pictures.source import (
     references_of,
     render_sources,
 )
-from lrsr.recognition import Engine
+from lrsr.recognition.recognisers import Recogniser
 from lrsr.rendering.scene import Film
 from lrsr.sr.upscaler import Bicubic, Upscaler
 
@@ -65,13 +64,15 @@ class Trial:
         cache: Where renderings are kept.
         engine: What recognises.
         maker: Renders what the cache lacks; Mitsuba when None.
+        name: What a report calls the engine.
         progress: Show bars while rendering.
     """
 
     design: Design
     cache: RenderCache
-    engine: Engine
+    engine: Recogniser
     maker: Maker | None = None
+    name: str = "shipped"
     progress: bool = True
 
     @property
@@ -145,14 +146,17 @@ class Trial:
                 decibels[method] += quality
         ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
         scores = {
-            method: CosineScores(np.concatenate(parts, dtype=np.float64), enrolled, *ids)
+            method: self.engine.compare(np.concatenate(parts, dtype=np.float64), enrolled, *ids)
             for method, parts in embedded.items()
         }
         rows, comparisons, curves = evaluate(self.design, condition, scores, decibels)
         pictures = self._pictures(probes, references, shown)
         named = {upscalers[method].label: curve for method, curve in curves.items()}
         panel = Panel(condition.title, named, pictures, ids[0][:_SHOWN])
-        return Outcome(rows, comparisons, panel)
+        return Outcome(self._named(rows), self._named(comparisons), panel)
+
+    def _named(self, records: Sequence[Record]) -> list[Record]:
+        return [{"recogniser": self.name, **record} for record in records]
 
     def _enlarge_and_embed(
         self,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from lrsr.camera import Camera
-from lrsr.configuration import number, require, whole_number
+from lrsr.configuration import number, require, whole_number, words
 from lrsr.evaluation.distinctness import (
     Distinct,
     Drawn,
@@ -34,7 +34,12 @@ from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting, read_gallery
 from lrsr.pictures.source import Rendered, chunks, render_sources
 from lrsr.presets import build
-from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
+from lrsr.recognition.recognisers import (
+    SMALLEST_ANGLE_DEG,
+    Recogniser,
+    read_device,
+    resolve_encoder,
+)
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -54,6 +59,7 @@ class UniquenessSettings:
         most_redraws: Per person.
         camera: Gives every picture its exposure; they are enrolled ones, without its flaws.
         model: ONNX embedder in place of the shipped one, with its contract beside it.
+        device: Where it runs; see :func:`lrsr.onnx.providers_on`.
 
     Raises:
         InputError: A number is out of its range.
@@ -65,6 +71,7 @@ class UniquenessSettings:
     most_redraws: int
     camera: Camera
     model: Path | None = None
+    device: str = "cpu"
 
     def __post_init__(self) -> None:
         angle = self.smallest_angle_deg
@@ -86,6 +93,8 @@ class UniquenessSettings:
         """
         landmarks = config.recognition.landmarks
         require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
+        others = words(config.recognition, "recognisers")
+        require(others == ["shipped"], "recognition.recognisers", others, "none; give encoder=dlib")
         encoder = resolve_encoder(str(config.encoder))
         given = config.smallest_angle_deg is not None
         least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
@@ -96,6 +105,7 @@ class UniquenessSettings:
             most_redraws=whole_number(config, "most_redraws"),
             camera=build(config.camera, "camera"),
             model=path_if_any(config.recognition.model, "recognition.model"),
+            device=read_device(config),
         )
 
 
@@ -115,7 +125,7 @@ class Gallery:
 
     settings: UniquenessSettings
     cache: RenderCache
-    encoder: Encoder
+    encoder: Recogniser
     maker: Maker
     progress: bool = True
     people: dict[Drawn, Traits | None] = field(default_factory=dict)

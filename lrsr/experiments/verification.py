@@ -1,6 +1,8 @@
 """Does this way of enlarging help to tell people apart, and under which conditions?"""
 
 import logging
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,7 @@ from lrsr.files import write_bytes, write_json
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.provenance import versions
-from lrsr.recognition import Engine
+from lrsr.recognition.recognisers import load_recognisers
 
 _RENDERED = (
     "Every probe and every gallery picture shows a synthetic person, rendered by Mitsuba as light "
@@ -61,17 +63,19 @@ class Verification(Design):
         Raises:
             InputError: A file or a folder is wrong; nothing has been rendered by then.
         """
-        engine = Engine(self.model)
-        trial = Trial(self, cache, engine, maker, progress=progress)
-        trial.render()
-        conditions = len(self.conditions)
-        bar = tqdm(trial.outcomes(), "scoring", conditions, unit="condition", disable=not progress)
-        outcomes = list(bar)
+        engines = load_recognisers(self.recognisers, self.model, device=self.device)
+        outcomes: list[Outcome] = []
+        for name, engine in engines.items():
+            trial = Trial(self, cache, engine, maker, name=name, progress=progress)
+            trial.render()
+            scored, total = trial.outcomes(), len(self.conditions)
+            bar = tqdm(scored, f"scoring, {name}", total, unit="condition", disable=not progress)
+            outcomes += bar if len(engines) == 1 else (_told_by(name, bar, faces=not outcomes))
         results: dict[str, Any] = {
             "rows": [row for outcome in outcomes for row in outcome.rows],
             "comparisons": [test for outcome in outcomes for test in outcome.comparisons],
             "config": self.describe(),
-            "recognition": engine.describe(),
+            "recognition": {name: dict(engine.describe()) for name, engine in engines.items()},
             "versions": versions(),
         }
         write_json(folder / "results.json", results)
@@ -93,10 +97,17 @@ class Verification(Design):
                 write_bytes(folder / f"faces_{number}.png", draw_contact_sheet(panel.pictures))
 
 
+def _told_by(name: str, outcomes: Iterable[Outcome], *, faces: bool) -> Iterator[Outcome]:
+    """Let titles say which recogniser it was; the faces are the same for all, and shown once."""
+    for outcome in outcomes:
+        panel = replace(outcome.panel, title=f"{name}. {outcome.panel.title}")
+        yield replace(outcome, panel=panel if faces else replace(panel, pictures={}, people=()))
+
+
 def _line(row: Record) -> str:
     psnr = "" if row["psnr_y_db"] is None else f"  PSNR-Y {row['psnr_y_db']:.2f} dB"
     size = "" if row["ipd_px"] is None else f"  IPD {row['ipd_px']:g} px"
     return (
-        f"option {row['option']}{size}  {row['label']:<9}"
+        f"{row['recogniser']}  option {row['option']}{size}  {row['label']:<9}"
         f"  AUC {row['auc']:.4f} [{row['low']:.4f}, {row['high']:.4f}]{psnr}"
     )

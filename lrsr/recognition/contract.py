@@ -26,14 +26,14 @@ The numbers that the graph states too (sizes, dimension) must agree with it; wha
 (channel order, mean, scale, antialias) is taken from here and from nowhere else.
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from lrsr.errors import InputError
-from lrsr.onnx import PerChannel, contract_path, read_declared
+from lrsr.onnx import PerChannel, contract_path, declared_text, read_declared
 from lrsr.recognition.alignment import TEMPLATES
 
 _TABLES = {
@@ -98,14 +98,9 @@ def read_contract(model: Path) -> Contract:
 
 def write_contract(contract: Contract) -> str:
     """Return the contract as TOML; :func:`read_contract` reads it back unchanged."""
-    lines = []
+    document: dict[str, Any] = {}
     for table, names in _TABLES.items():
-        if table:
-            lines += ["", f"[{table}]"]
         values = {name: getattr(contract, name) for name in names}
-        lines += [  # JSON is TOML, for plain values
-            f"{name} = {json.dumps(value, ensure_ascii=False)}"
-            for name, value in values.items()
-            if value != ""
-        ]
-    return "\n".join(lines) + "\n"
+        told = {name: value for name, value in values.items() if value != ""}
+        document |= {table: told} if table else told
+    return declared_text(document)

@@ -34,6 +34,11 @@ class Embedder:
         ends = (None, *shape), (None, dimension)
         check_graph(self._session, model, "an embedder", *ends, words, self.contract.name)
 
+    @property
+    def providers(self) -> tuple[str, ...]:
+        """Who computes, by onnxruntime's names, in order of preference."""
+        return tuple(self._session.get_providers())
+
     def __call__(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Embed aligned faces.
 

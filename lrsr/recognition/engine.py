@@ -6,6 +6,7 @@ import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
+from lrsr.evaluation.scores import CosineScores
 from lrsr.images import check_srgb
 from lrsr.paths import asset
 from lrsr.recognition.alignment import align
@@ -26,6 +27,8 @@ class Engine:
     Raises:
         InputError: See :class:`lrsr.recognition.embedding.Embedder`.
     """
+
+    compare = staticmethod(CosineScores)
 
     def __init__(
         self, model: Path | None = None, *, antialias: bool | None = None, device: str = "cpu"
@@ -67,4 +70,5 @@ class Engine:
             "dimension": contract.dimension,
             "alignment": contract.template,
             "antialias": self.antialias,
+            "providers": ", ".join(self.embedder.providers),
         }

@@ -1,5 +1,6 @@
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fakes.painted import PaintedMaker
@@ -19,7 +20,7 @@ FRONTAL = Scene(preset("lighting", "frontal"))
 TURNED = Scene(preset("lighting", "below"), preset("pose", "left"))
 
 
-def run(folder: Path, model: Path) -> Path:
+def run(folder: Path, model: Path | None, **changes: Any) -> Path:
     design = Verification(
         name="painted_people",
         question="Are painted people told apart?",
@@ -32,6 +33,7 @@ def run(folder: Path, model: Path) -> Path:
         camera=Camera(),
         level=0.9,
         model=model,
+        **changes,
     )
     cache = RenderCache(folder / "cache")
     return design.run(folder / "run", cache, maker=PaintedMaker(), progress=False)
@@ -60,6 +62,24 @@ def test_the_same_settings_give_the_same_numbers(tmp_path: Path, tone_model: Pat
     first = json.loads((run(tmp_path / "a", tone_model) / "results.json").read_text())
     again = json.loads((run(tmp_path / "b", tone_model) / "results.json").read_text())
     assert first["rows"] == again["rows"]
+
+
+def test_several_recognisers_have_a_table_each(tmp_path: Path, tone_model: Path) -> None:
+    names = ("shipped", str(tone_model))
+    folder = run(tmp_path, None, recognisers=names)
+    results = json.loads((folder / "results.json").read_text())
+    told = [row["recogniser"] for row in results["rows"]]
+    assert told == ["shipped"] * 6 + ["tones"] * 6
+    assert results["recognition"]["tones"]["model"] == "tones.onnx"
+    alone = json.loads((run(tmp_path / "alone", tone_model) / "results.json").read_text())
+    assert results["rows"][6:] == alone["rows"]
+    tests = [one for one in results["comparisons"] if one["recogniser"] == "tones"]
+    assert tests == alone["comparisons"]
+    page = (folder / "report.html").read_text()
+    for name in ("shipped", "tones"):
+        assert page.count(f"<h3>Recogniser: {name}</h3>") == 2
+        assert f"<h2>{name}. Option 6" in page
+    assert page.count("<h3>Faces</h3>") == 2
 
 
 def test_a_missing_model_is_refused_before_rendering(tmp_path: Path) -> None:

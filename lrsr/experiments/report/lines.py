@@ -32,7 +32,8 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
             "p": _format_p(test["p"], test["log10_p"]),
             "remains": p_holm < 0.05,
         }
-    return [_line(row, tests.get(_place(row), {})) for row in rows]
+    several = len({row["recogniser"] for row in rows}) > 1
+    return [_line(row, tests.get(_place(row), {}), several=several) for row in rows]
 
 
 def best_methods(lines: _Records) -> Iterator[str]:
@@ -82,19 +83,20 @@ def _format_p(p: float, log10_p: float | None = None) -> str:
 
 
 def _place(record: Mapping[str, Any]) -> tuple[object, ...]:
-    return record["option"], record["ipd_px"], record["method"]
+    return record["recogniser"], record["option"], record["ipd_px"], record["method"]
 
 
-def _line(row: Mapping[str, Any], tests: Mapping[str, Any]) -> dict[str, Any]:
+def _line(row: Mapping[str, Any], tests: Mapping[str, Any], *, several: bool) -> dict[str, Any]:
     low, high = row["low"], row["high"]
     degenerate = row["std"] == 0
     cut = not degenerate and (low <= 0 or high >= 1) and row["logit_low"] is not None
     if cut:
         low, high = row["logit_low"], row["logit_high"]
+    name = f"{row['recogniser']}. " if several else ""
     size = "" if row["ipd_px"] is None else f", IPD {row['ipd_px']:g} px"
     return {
         **row,
-        "condition": f"Option {row['option']}{size}",
+        "condition": f"{name}Option {row['option']}{size}",
         "interval": "no interval" if degenerate else f"{low:.3f} – {high:.3f}",
         "low": low,
         "high": high,

@@ -73,7 +73,7 @@ def write_report(
         question=config["question"],
         answer=list(best_methods(lines)),
         settings={**config, "recognition": results["recognition"]},
-        lines=lines,
+        tables=_tables(lines),
         several_options=several,
         level=f"{100 * config['level']:g} %",
         against=[dict(some) for some in (others[:1], others[1:]) if some],  # the first is Base
@@ -86,6 +86,14 @@ def write_report(
         versions=results["versions"],
         seed=config["seed"],
     )
+
+
+def _tables(lines: Sequence[Mapping[str, Any]]) -> dict[str, list[Mapping[str, Any]]]:
+    """Return the lines of each recogniser."""
+    tables: dict[str, list[Mapping[str, Any]]] = {}
+    for line in lines:
+        tables.setdefault(line["recogniser"], []).append(line)
+    return tables
 
 
 def _panel(panel: Panel, level: float) -> dict[str, Any]:

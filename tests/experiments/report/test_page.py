@@ -26,6 +26,7 @@ def draw(shift: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 def make_row(option: int, method: str, scores: tuple[np.ndarray, np.ndarray]) -> dict[str, Any]:
     return {
+        "recogniser": "shipped",
         "option": option,
         "ipd_px": 8.0,
         "method": method,
@@ -47,9 +48,8 @@ def make_results(options: tuple[int, ...] = (1,), **changes: Any) -> dict[str, A
         rows += [make_row(option, method, own) for method, own in scores.items()]
         for method, against in (("srcnn4", "base"), ("bicubic4", "base"), ("srcnn4", "bicubic4")):
             test = asdict(compare_aucs(*scores[method], *scores[against]))
-            comparisons.append(
-                {"option": option, "ipd_px": 8.0, "method": method, "against": against, **test}
-            )
+            place = {"recogniser": "shipped", "option": option, "ipd_px": 8.0}
+            comparisons.append({**place, "method": method, "against": against, **test})
     config = {
         "name": "does_it_help",
         "question": "Is SR better than bicubic?",

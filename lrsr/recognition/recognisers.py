@@ -1,0 +1,150 @@
+"""What can recognise, by name? The embedder we ship, dlib's, any ONNX file, features not learned.
+
+All of them are one protocol: faces become rows of numbers, and rows become scores.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike, NDArray
+
+from lrsr.configuration import as_word, require
+from lrsr.errors import InputError
+from lrsr.evaluation.scores import ScoreSource
+from lrsr.onnx import DEVICES
+from lrsr.recognition.dlib_encoder import DlibEncoder, dlib_is_installed
+from lrsr.recognition.engine import Engine
+from lrsr.recognition.registry import model_file
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+_SHIPPED = "shipped"
+_DLIB = ("dlib", "dlib_resnet")
+
+_EncoderName = Literal["auto", "dlib", "shipped"]
+_ENCODERS: tuple[_EncoderName, ...] = get_args(_EncoderName)
+
+
+class Recogniser(Protocol):
+    """Turns faces whose landmarks are known into numbers, and says how alike two are."""
+
+    def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:
+        """Return ``(B, D)`` for ``(B, 3, H, W)`` srgb and ``(B, 5, 2)`` px; NaN = no face."""
+
+    def compare(
+        self,
+        probes: NDArray[Any],
+        gallery: NDArray[Any],
+        probe_ids: Sequence[str],
+        gallery_ids: Sequence[str],
+    ) -> ScoreSource:
+        """Return scores, higher = more alike, of ``(P, D)`` probes and ``(G, D)`` gallery rows."""
+
+    def describe(self) -> Mapping[str, object]:
+        """Return what a report must say of it; JSON-serialisable."""
+
+
+SMALLEST_ANGLE_DEG = {"dlib": 11.2, "shipped": 20.0}
+"""Below it two people count as one. dlib: the smallest among the paper's 1500 identities."""
+
+
+def resolve_encoder(name: str) -> Literal["dlib", "shipped"]:
+    """Turn "auto" into "dlib" where it is installed, else into "shipped".
+
+    Raises:
+        InputError: There is no such encoder, or dlib is asked for and not installed.
+    """
+    if name not in _ENCODERS:
+        raise InputError(f"encoder={name}: wanted one of {', '.join(_ENCODERS)}")
+    if name == "dlib" and not dlib_is_installed():
+        DlibEncoder()  # says what is missing
+    if name == "shipped" or not dlib_is_installed():
+        return "shipped"
+    return "dlib"
+
+
+def load_encoder(
+    name: Literal["dlib", "shipped"], model: Path | None = None, *, device: str = "cpu"
+) -> Recogniser:
+    """Load what is to tell whether two people are two: dlib's, as in the paper, or the shipped one.
+
+    Args:
+        name: See :func:`resolve_encoder`.
+        model: ONNX embedder that stands in for the shipped one.
+        device: Where an ONNX embedder runs; see :func:`lrsr.onnx.providers_on`.
+
+    Raises:
+        InputError: A model is missing or broken, or is given although dlib is to compare.
+    """
+    if name == "dlib" and model is not None:
+        raise InputError(f"recognition.model={model}: dlib takes none; add encoder=shipped")
+    return DlibEncoder() if name == "dlib" else Engine(model, device=device)
+
+
+def read_device(config: "DictConfig") -> str:
+    """Read where ONNX embedders run.
+
+    Raises:
+        InputError: It is nowhere.
+    """
+    device = as_word(config.recognition.device, "recognition.device")
+    require(device in DEVICES, "recognition.device", device, f"one of {', '.join(DEVICES)}")
+    return device
+
+
+def find_recognisers(names: Sequence[str], model: Path | None = None) -> dict[str, str | Path]:
+    """Find recognisers without loading them.
+
+    Args:
+        names: Each "shipped", "dlib", a name that ``lrsr models list`` knows, or an ONNX file.
+        model: ONNX embedder that stands in for the shipped one.
+
+    Returns:
+        A file, or a name that needs none, by what a report calls it: the file's, without ending.
+
+    Raises:
+        InputError: There is none, several have one name, one is not here or not known, or a model
+            stands in for nobody.
+    """
+    if not names:
+        raise InputError("recognition.recognisers=[]: wanted at least one, such as shipped")
+    if model is not None and _SHIPPED not in names:
+        raise InputError(f"recognition.model={model}: add shipped to recognisers, or leave it")
+    found: dict[str, str | Path] = {}
+    for name in names:
+        known = name == _SHIPPED or name in _DLIB
+        source = (known and name) or model_file(name, "recogniser")
+        if name == _SHIPPED and model is not None:
+            source = model
+        label = source.stem if isinstance(source, Path) else name
+        if label in found:
+            raise InputError(f"recognition.recognisers: {label} is there twice; give it once")
+        found[label] = source
+    if any(name in _DLIB for name in names) and not dlib_is_installed():
+        DlibEncoder()  # says what is missing
+    return found
+
+
+def load_recognisers(
+    names: Sequence[str], model: Path | None = None, *, device: str = "cpu"
+) -> dict[str, Recogniser]:
+    """Load recognisers, by what a report calls them.
+
+    Args:
+        names: See :func:`find_recognisers`.
+        model: The same.
+        device: Of those that are ONNX files; see :func:`lrsr.onnx.providers_on`.
+
+    Raises:
+        InputError: See :func:`find_recognisers`; or a file is broken.
+    """
+    return {
+        label: DlibEncoder()
+        if source in _DLIB
+        else Engine(None if source == _SHIPPED else Path(source), device=device)
+        for label, source in find_recognisers(names, model).items()
+    }
