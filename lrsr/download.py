@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 _TRIES = 5
 """In a row without a new byte."""
 _PAUSE_S = 1.0
-_CHUNK = 1 << 16
+_CHUNK = 1 << 14
+"""Bytes that are lost when the line breaks, at most."""
 _LARGEST = 4 << 30
 _SOON = {408, 429, 500, 502, 503, 504}
 """HTTP statuses that another try may mend."""
@@ -86,10 +87,8 @@ def _fetch_all(url: str, partial: Path, size: int, stall_s: float, bar: Any) -> 
                 if _fetch_some(session, url, partial, most, stall_s, bar):
                     return
                 error: Exception = OSError("it ended early")
-            except requests.exceptions.InvalidURL as wrong:
-                raise InputError(f"{url}: {wrong}; give another") from wrong
-            except requests.exceptions.MissingSchema as wrong:
-                raise InputError(f"{url}: {wrong}; give another") from wrong
+            except ValueError as wrong:  # requests' word for what is no address
+                raise InputError(f"{url}: no address ({wrong}); give another") from wrong
             except requests.RequestException as failed:
                 error = failed
             after = partial.stat().st_size if partial.exists() else 0
