@@ -60,7 +60,7 @@ def test_of_a_wheel_what_it_depends_on_stays_away(tmp_path: Path, index: Path) -
 def test_another_archive_is_refused_before_it_is_opened(tmp_path: Path, index: Path) -> None:
     witness = tmp_path / "it was run"
     write_sdist(index, witness)
-    with pytest.raises(InputError, match="some_models==1.0: pip cannot download it") as caught:
+    with pytest.raises(InputError, match=r"some_models==1.0: pip cannot download it") as caught:
         download_package("some_models==1.0", tmp_path / "got", sha256="0" * 64)
     assert "\n" not in str(caught.value)
     assert not witness.exists()

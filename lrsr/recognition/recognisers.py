@@ -17,6 +17,7 @@ from lrsr.evaluation.scores import ScoreSource
 from lrsr.onnx import DEVICES
 from lrsr.recognition.dlib_encoder import DlibEncoder, dlib_is_installed
 from lrsr.recognition.engine import Engine
+from lrsr.recognition.features import FEATURES, Features
 from lrsr.recognition.registry import model_file
 
 if TYPE_CHECKING:
@@ -100,7 +101,8 @@ def find_recognisers(names: Sequence[str], model: Path | None = None) -> dict[st
     """Find recognisers without loading them.
 
     Args:
-        names: Each "shipped", "dlib", a name that ``lrsr models list`` knows, or an ONNX file.
+        names: Each "shipped", "dlib", one of :data:`lrsr.recognition.features.FEATURES`, a name
+            that ``lrsr models list`` knows, or an ONNX file.
         model: ONNX embedder that stands in for the shipped one.
 
     Returns:
@@ -116,7 +118,7 @@ def find_recognisers(names: Sequence[str], model: Path | None = None) -> dict[st
         raise InputError(f"recognition.model={model}: add shipped to recognisers, or leave it")
     found: dict[str, str | Path] = {}
     for name in names:
-        known = name == _SHIPPED or name in _DLIB
+        known = name in (_SHIPPED, *_DLIB, *FEATURES)
         source = (known and name) or model_file(name, "recogniser")
         if name == _SHIPPED and model is not None:
             source = model
@@ -143,8 +145,13 @@ def load_recognisers(
         InputError: See :func:`find_recognisers`; or a file is broken.
     """
     return {
-        label: DlibEncoder()
-        if source in _DLIB
-        else Engine(None if source == _SHIPPED else Path(source), device=device)
-        for label, source in find_recognisers(names, model).items()
+        label: _load(source, device) for label, source in find_recognisers(names, model).items()
     }
+
+
+def _load(source: str | Path, device: str) -> Recogniser:
+    if isinstance(source, Path):
+        return Engine(source, device=device)
+    if source in FEATURES:
+        return Features(source)
+    return DlibEncoder() if source in _DLIB else Engine(device=device)
