@@ -6,6 +6,7 @@ answers with what was asked for. That the archive is the known one pip checks be
 """
 
 import importlib.util
+import logging
 import os
 import shutil
 import subprocess
@@ -15,6 +16,8 @@ from pathlib import Path
 
 from lrsr.errors import InputError
 from lrsr.files import make_folder
+
+logger = logging.getLogger(__name__)
 
 _BACKEND = """
 import os, pathlib
@@ -64,6 +67,7 @@ def download_package(package: str, folder: Path, *, sha256: str, timeout_s: floa
         command += ["--use-pep517", "--no-build-isolation", "--disable-pip-version-check"]
         command += ["--require-hashes", "--dest", scratch, "--requirement", f"{place}/wanted.txt"]
         known = {**os.environ, "PYTHONPATH": scratch, "LRSR_PACKAGE": package}
+        logger.info("pip downloads %s", package)
         try:
             done = subprocess.run(
                 command, env=known, capture_output=True, text=True, timeout=timeout_s, check=False

@@ -181,7 +181,7 @@ def _settle(source: Source, model: Model, scratch: Path, *, checked: bool) -> st
         raise InputError(f"{model.name}: another one is here; lrsr models remove {model.name}")
     _keep(model.name, record, scratch)
     place = models_folder() / next(iter(record["files"]))
-    how = "as its makers state it" if checked else "not checked, as no checksum is known"
+    how = "its checksum is right" if checked else "not checked, as no checksum is known"
     return f"{model.name}: {place} ({model.kind}; {how})"
 
 
@@ -366,19 +366,22 @@ def remove(name: str) -> list[str]:
 
 
 def table() -> list[str]:
-    """Return a line for each model: what is here, then what can be pulled; licence and training."""
-    here = records()
-    rows = [("name", "does", "from", "licence", "trained on")]
+    """Return a line for each model: what is here, then what can be pulled."""
+    here, checked = records(), {True: "known", False: "unknown"}
+    rows = [("name", "does", "from", "checksum", "licence", "trained on")]
     for name, record in here.items():
         told = (str(record.get(key, "not told")) for key in ("licence", "trained_on"))
-        rows.append((name, record["kind"], "here", *told))
+        rows.append((name, record["kind"], "here", checked[bool(record.get("checked"))], *told))
     rows += [
-        (model.name, model.kind, f"pull {source.name}", source.licence, model.trained_on)
+        (
+            *(model.name, model.kind, f"pull {source.name}"),
+            *(checked[bool(source.sha256 or model.sha256)], source.licence, model.trained_on),
+        )
         for source in sources().values()
         for model in source.models
         if model.name not in here
     ]
-    widths = [max(len(row[k]) for row in rows) for k in range(4)]
+    widths = [max(len(row[k]) for row in rows) for k in range(5)]
     return [
         "  ".join([*(cell.ljust(w) for cell, w in zip(row, widths, strict=False)), row[-1]])
         for row in rows

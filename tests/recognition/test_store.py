@@ -70,7 +70,7 @@ def test_a_pack_is_pulled_and_its_models_are_used_by_name(
     server: Server, folder: Path, name: str
 ) -> None:
     said = pull(name, QUIET)
-    assert said[0].startswith(f"net: {folder / 'net.onnx'} (recogniser; as its makers")
+    assert said[0].startswith(f"net: {folder / 'net.onnx'} (recogniser; its checksum is right")
     assert {path.name for path in folder.iterdir()} == {
         f"{stem}.{end}" for stem in ("net", "finder") for end in ("onnx", "toml", "json")
     }
@@ -109,7 +109,7 @@ def test_bytes_that_nobody_vouches_for_want_a_yes_or_a_checksum(
     assert verify(["bare"]) == ["untold: as it came; no checksum of its makers is known"]
     remove("bare")
     (line,) = pull("bare", Wish(sha256=sha256_of(net), progress=False))
-    assert "as its makers state it" in line
+    assert "its checksum is right" in line
     assert read_contract(folder / "untold.onnx").scale == 128
 
 
