@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from difflib import get_close_matches
+from functools import cache
 from typing import Any
 
 from lrsr.errors import InputError
@@ -49,8 +50,12 @@ def presets(group: str) -> list[str]:
     return sorted(path.stem for path in (config_folder() / group).glob("*.yaml"))
 
 
+@cache
 def _read_preset(group: str, name: str) -> Any:
-    """Read a file of a group over those of its own folder that its defaults list names."""
+    """Read a file of a group over those of its own folder that its defaults list names.
+
+    Once: parsing takes longer than building. What is returned is merged, never changed.
+    """
     from omegaconf import OmegaConf
 
     node: Any = OmegaConf.load(config_folder() / group / f"{name}.yaml")

@@ -18,6 +18,7 @@ from lrsr.onnx import (
     open_session,
     providers_on,
     read_declared,
+    run_lists,
     run_session,
     sha256_of,
 )
@@ -67,6 +68,29 @@ def test_a_batch_is_run_part_by_part_and_filled_up(
     path = write_doubler(batch)
     result = run_session(open_session(path), path, ramp(count), batch_size=2)
     np.testing.assert_array_equal(result, 2 * ramp(count))
+
+
+@pytest.mark.parametrize("batch", ["N", 1, 2], ids=["free", "one", "two"])
+@pytest.mark.parametrize("count", [1, 3, 5])
+def test_every_image_of_a_batch_has_its_list(
+    write_doubler: Callable[..., Path], batch: int | str, count: int
+) -> None:
+    path = write_doubler(batch)
+    (result,) = run_lists(open_session(path), path, ramp(count), ["y"], batch_size=2)
+    np.testing.assert_array_equal(result, 2 * ramp(count)[:, None])
+
+
+def test_what_is_no_list_for_each_image_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "sums.onnx"
+    images = helper.make_tensor_value_info("x", TensorProto.FLOAT, ["N", 4])
+    sums = helper.make_tensor_value_info("y", TensorProto.FLOAT, [])
+    node = helper.make_node("ReduceSum", ["x"], ["y"], keepdims=0)
+    graph = helper.make_graph([node], "sums", [images], [sums])
+    opset = [helper.make_opsetid("", 18)]
+    onnx.save(helper.make_model(graph, opset_imports=opset, ir_version=9), path)
+    inputs = np.zeros((2, 4), dtype=np.float32)
+    with pytest.raises(InputError, match=r"sums\.onnx: output y has shape \(\) for 2 images"):
+        run_lists(open_session(path), path, inputs, ["y"], batch_size=2)
 
 
 def test_a_session_runs_on_as_many_threads_as_torch(write_doubler: Callable[..., Path]) -> None:

@@ -14,14 +14,14 @@ from lrsr.paths import config_folder
 COMPOSED = Overrides._composed
 
 
+@cache
+def composed(command: str, folders: tuple[Path, ...], words: tuple[str, ...]) -> dict[str, Any]:
+    return COMPOSED(Overrides(command, folders), list(words))
+
+
 @pytest.fixture(autouse=True)
 def once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compose each command's configuration once, not for every case."""
-
-    @cache
-    def composed(command: str, folders: tuple[Path, ...], words: tuple[str, ...]) -> dict[str, Any]:
-        return COMPOSED(Overrides(command, folders), list(words))
-
     monkeypatch.setattr(
         Overrides,
         "_composed",

@@ -177,6 +177,7 @@ def raised(node: ast.AST) -> Iterator[str]:
             yield from names_in(each.exc.func)
 
 
+@cache
 def unused() -> list[str]:
     """The public names that nobody but their own module has."""
     used = used_elsewhere()

@@ -1,7 +1,7 @@
 """What is asked of a verification experiment? Who, how pictured, how enlarged, how sure."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -23,7 +23,7 @@ from lrsr.paths import path_if_any
 from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality
 from lrsr.pictures.source import Photographs, read_photographs
 from lrsr.presets import build, preset, presets, value_of
-from lrsr.recognition.recognisers import find_recognisers, read_device
+from lrsr.recognition.settings import RecognitionSettings
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.sr.upscaler import Upscaler
 
@@ -93,9 +93,7 @@ class Design:
         camera: Takes the probes, with the condition's compression; all other pictures are taken by
             the reference camera, with the same exposure and without compression.
         level: Of every interval, between 0 and 1.
-        recognisers: Names; see :func:`lrsr.recognition.recognisers.find_recognisers`.
-        model: ONNX embedder with its contract beside it; None: the one that ships.
-        device: Where ONNX embedders run; see :func:`lrsr.onnx.providers_on`.
+        recognition: How faces are found, aligned and embedded.
         probes_folder: Photographs in place of rendered probes, under the one condition given.
         gallery_folder: Photographs in place of rendered enrolled pictures.
 
@@ -114,9 +112,7 @@ class Design:
     gallery: Sitting
     camera: Camera
     level: float = 0.95
-    recognisers: tuple[str, ...] = ("shipped",)
-    model: Path | None = None
-    device: str = "cpu"
+    recognition: RecognitionSettings = field(default_factory=RecognitionSettings)
     probes_folder: Path | None = None
     gallery_folder: Path | None = None
 
@@ -138,11 +134,6 @@ class Design:
         Raises:
             InputError: A value is wrong; the message names the setting and the remedy.
         """
-        landmarks = config.recognition.landmarks
-        require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
-        recognisers = tuple(words(config.recognition, "recognisers"))
-        model = path_if_any(config.recognition.model, "recognition.model")
-        find_recognisers(recognisers, model)
         conditions, probes = _conditions(config), path_if_any(config.probes.folder, "probes.folder")
         if probes is not None:
             conditions = (_condition_of(read_photographs(probes, "probe")),)
@@ -157,9 +148,7 @@ class Design:
             gallery=read_gallery(config),
             camera=build(config.camera, "camera"),
             level=number(config, "level"),
-            recognisers=recognisers,
-            model=model,
-            device=read_device(config),
+            recognition=RecognitionSettings.from_config(config),
             probes_folder=probes,
             gallery_folder=path_if_any(config.gallery.folder, "gallery.folder"),
         )

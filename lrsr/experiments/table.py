@@ -2,22 +2,30 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from contextlib import suppress
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from lrsr.evaluation.delong import AucComparison
+from lrsr.errors import ScoreError
+from lrsr.evaluation.delong import AucComparison, AucEstimate
 from lrsr.evaluation.roc import RocCurve
 from lrsr.evaluation.scores import ScoreSource
-from lrsr.evaluation.summary import Summary, summarise
+from lrsr.evaluation.summary import Evaluation, Summary, summarise
 from lrsr.experiments.design import Condition, Design
+from lrsr.recognition.settings import Landmarks
 from lrsr.sr.upscaler import Upscaler
 
 Record = dict[str, Any]
 """A line of ``results.json`` in plain values."""
 
+WRONG_PLACE_IPDS = 0.25
+"""A face whose landmarks are farther off than this, on average, is in a wrong place."""
+
 _UNTOLD = ("wald_leaves_range", "degenerate")
+_AREA = tuple(one.name for one in fields(AucEstimate) if one.name not in _UNTOLD)
 _TOLD = ("difference", "low", "high", "subject_low", "subject_high", "z", "p", "log10_p")
 
 
@@ -26,36 +34,78 @@ def evaluate(
     condition: Condition,
     scores: Mapping[str, ScoreSource],
     decibels: Mapping[str, Sequence[float]],
+    landmarks: Landmarks = "shared",
+    errors: Mapping[str, ArrayLike] | None = None,
 ) -> tuple[list[Record], list[Record], dict[str, RocCurve]]:
-    """Evaluate all methods under one condition, and test them in pairs.
+    """Evaluate all methods under one condition with landmarks of one source, and test pairs.
 
     Args:
         design: What was asked.
         condition: Of the probes.
         scores: By method.
         decibels: By method, the PSNR of each probe; empty where there is no reference.
+        landmarks: Their source.
+        errors: By method, of each probe's landmarks in distances of the true eyes; NaN where no
+            face was found or the true ones are not known.
 
     Returns:
         A row a method, the paired tests, and the ROC curve of each method. A row names experiment,
         option, ipd_px, pose, lighting and compression of the probe (empty or None where a
-        photograph's are not known), method, label and landmarks ("shared": the true ones, scaled);
-        holds the numbers of :class:`~lrsr.evaluation.delong.AucEstimate`; psnr_y_db (mean over the
+        photograph's are not known), method, label and landmarks; holds the numbers of
+        :class:`~lrsr.evaluation.delong.AucEstimate`; psnr_y_db (mean over the
         probes; None where nothing is enlarged or a probe equals its reference), fta, eer, d_prime,
-        rank_1; and fnmr, an :class:`~lrsr.evaluation.rates.OperatingPoint` for each target FMR. A
-        test names option, ipd_px, method and against, and holds the numbers of
-        :class:`~lrsr.evaluation.delong.AucComparison`, None for those that are infinite.
+        rank_1; fnmr, an :class:`~lrsr.evaluation.rates.OperatingPoint` for each target FMR; and
+        wrong_place, the share of the faces found whose landmarks are more than
+        :data:`WRONG_PLACE_IPDS` off, None where that is not known. Where faces were found on so few
+        pictures that nothing can be measured, all but counts, psnr_y_db, fta and wrong_place is
+        None, fnmr is empty and there is no curve. A test names option, ipd_px, landmarks, method
+        and against, and holds the numbers of :class:`~lrsr.evaluation.delong.AucComparison`, None
+        for those that are infinite.
 
     Raises:
-        ScoreError: Fewer than two genuine or impostor scores are left.
+        ScoreError: Fewer than two genuine or impostor scores are left, although nothing failed.
     """
     pairs = _rivals(design.upscalers)
-    found = summarise(scores, pairs=pairs, level=design.level)
-    rows = [
-        _row(design, condition, method, summary, decibels[method])
-        for method, summary in found.summaries.items()
+    found = _measure(scores, pairs, design.level)
+    rows = []
+    for method, source in scores.items():
+        summary = found.summaries.get(method)
+        numbers = _counts(source) if summary is None else _numbers(summary)
+        wrong_place = _share_beyond((errors or {}).get(method, ()))
+        told = _names(design, condition, method, landmarks)
+        rows.append({**told, **numbers, "wrong_place": wrong_place})
+        rows[-1]["psnr_y_db"] = _mean(decibels[method])
+    tests = [
+        _comparison(condition, landmarks, pair, found.comparisons[pair])
+        for pair in pairs
+        if pair in found.comparisons
     ]
-    tests = [_comparison(condition, pair, found.comparisons[pair]) for pair in pairs]
     return rows, tests, {method: summary.curve for method, summary in found.summaries.items()}
+
+
+def _measure(
+    scores: Mapping[str, ScoreSource], pairs: Sequence[tuple[str, str]], level: float
+) -> Evaluation:
+    """Summarise all methods, or those of which enough was acquired.
+
+    Raises:
+        ScoreError: Nothing failed to be acquired, and there are too few scores all the same.
+    """
+    try:
+        return summarise(scores, pairs=pairs, level=level)
+    except ScoreError:
+        if all(source.complete for source in scores.values()):
+            raise
+    summaries: dict[str, Summary] = {}
+    comparisons: dict[tuple[str, str], AucComparison] = {}
+    for method, source in scores.items():
+        with suppress(ScoreError):
+            summaries |= summarise({method: source}, pairs=(), level=level).summaries
+    for pair in pairs:
+        both = {method: scores[method] for method in pair if method in summaries}
+        with suppress(ScoreError):
+            comparisons |= summarise(both, pairs=[pair], level=level).comparisons
+    return Evaluation(summaries, comparisons)
 
 
 def _rivals(upscalers: Mapping[str, Upscaler]) -> list[tuple[str, str]]:
@@ -75,14 +125,7 @@ def _rivals(upscalers: Mapping[str, Upscaler]) -> list[tuple[str, str]]:
     ]
 
 
-def _row(
-    design: Design,
-    condition: Condition,
-    method: str,
-    summary: Summary,
-    decibels: Sequence[float],
-) -> Record:
-    area = {name: value for name, value in asdict(summary.area).items() if name not in _UNTOLD}
+def _names(design: Design, condition: Condition, method: str, landmarks: Landmarks) -> Record:
     return {
         "experiment": design.name,
         "option": condition.option,
@@ -92,9 +135,14 @@ def _row(
         "compression": condition.compression,
         "method": method,
         "label": design.upscalers[method].label,
-        "landmarks": "shared",
-        **area,
-        "psnr_y_db": _finite(float(np.mean(decibels))) if len(decibels) else None,
+        "landmarks": landmarks,
+    }
+
+
+def _numbers(summary: Summary) -> Record:
+    return {
+        **{name: getattr(summary.area, name) for name in _AREA},
+        "psnr_y_db": None,
         "fta": summary.fta,
         "eer": summary.eer,
         "d_prime": summary.d_prime,
@@ -103,9 +151,36 @@ def _row(
     }
 
 
-def _comparison(condition: Condition, pair: tuple[str, str], test: AucComparison) -> Record:
+def _counts(source: ScoreSource) -> Record:
+    """Return a row's numbers where too little was acquired to measure anything else."""
+    failed = [tile.absent.all(axis=1) for tile in source.tiles()]
+    return {
+        **dict.fromkeys(_AREA),
+        "n_genuine": source.genuine().size,
+        "n_impostor": source.impostor().size,
+        "psnr_y_db": None,
+        "fta": float(np.concatenate(failed).mean()),
+        **dict.fromkeys(("eer", "d_prime", "rank_1")),
+        "fnmr": [],
+    }
+
+
+def _mean(decibels: Sequence[float]) -> float | None:
+    return _finite(float(np.mean(decibels))) if len(decibels) else None
+
+
+def _share_beyond(errors: ArrayLike) -> float | None:
+    """Return the share of the errors that are known and too large."""
+    known = np.asarray(errors, dtype=np.float64)
+    known = known[np.isfinite(known)]
+    return float((known > WRONG_PLACE_IPDS).mean()) if known.size else None
+
+
+def _comparison(
+    condition: Condition, landmarks: Landmarks, pair: tuple[str, str], test: AucComparison
+) -> Record:
     method, against = pair
-    names = {"option": condition.option, "ipd_px": condition.ipd_px}
+    names = {"option": condition.option, "ipd_px": condition.ipd_px, "landmarks": landmarks}
     numbers = {name: _finite(getattr(test, name)) for name in _TOLD}
     return {**names, "method": method, "against": against, **numbers}
 

@@ -3,18 +3,16 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from lrsr.camera import Camera
-from lrsr.evaluation.quality import psnr_y
+from lrsr.errors import InputError
+from lrsr.evaluation.roc import RocCurve
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.report.page import Panel
+from lrsr.experiments.seen import Seen
 from lrsr.experiments.table import Record, evaluate
-from lrsr.images import scale_points
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.picture import Picture, stack
@@ -30,13 +28,12 @@ from lrsr.pictures.source import (
     render_sources,
 )
 from lrsr.recognition.recognisers import Recogniser
+from lrsr.recognition.settings import Landmarks
 from lrsr.rendering.scene import Film
-from lrsr.sr.upscaler import Bicubic, Upscaler
+from lrsr.sr.upscaler import Bicubic
 
 _SHOWN = 6
 """People on the contact sheet."""
-
-_Floats = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
@@ -44,9 +41,11 @@ class Outcome:
     """All that one condition gives.
 
     Attributes:
-        rows: A row a method, in the order asked for; see :func:`lrsr.experiments.table.evaluate`.
-        comparisons: Each method against the picture as it is and against its bicubic.
-        panel: ROC curve of each method, and the first people, by column: "Gallery", "Probe", each
+        rows: A row a method for each source of landmarks, in the order asked for; see
+            :func:`lrsr.experiments.table.evaluate`.
+        comparisons: Each method against the picture as it is and against its bicubic, with
+            landmarks of the same source.
+        panel: ROC curves of each method, and the first people, by column: "Gallery", "Probe", each
             method's label, "Reference"; photographs of several sizes are not shown.
     """
 
@@ -118,22 +117,37 @@ class Trial:
     def outcomes(self) -> Iterator[Outcome]:
         """Score one condition after the other; what is not rendered yet is rendered."""
         gallery = self.gallery()
-        as_it_is = Bicubic(1)
-        enrolled = np.concatenate(
-            [self._enlarge_and_embed(some, as_it_is)[0] for _, some in chunks(gallery)],
-            dtype=np.float64,
-        )
+        enrolled, as_it_is = Seen(self.landmarks), Bicubic(1)
+        for _, some in chunks(gallery):
+            enrolled.look(self.engine, some, as_it_is)
         shown = gallery.load(0, _SHOWN)
         for condition in self.design.conditions:
             yield self._outcome(condition, gallery, enrolled, shown)
 
+    @cached_property
+    def landmarks(self) -> tuple[Landmarks, ...]:
+        """Of which sources: what was asked for, but for true ones where nobody knows any.
+
+        Raises:
+            InputError: True ones alone are asked for, and nobody knows any.
+        """
+        asked = self.design.recognition.landmarks
+        for photographs in self._given.values():
+            if all(entry.landmarks_px is None for entry in photographs.entries):
+                if asked == ("shared",):
+                    raise InputError(
+                        f"recognition.landmarks=shared: no picture in {photographs.root} has"
+                        " landmarks_px; give recognition.landmarks=own"
+                    )
+                return ("own",)
+        return asked
+
     def _outcome(
-        self, condition: Condition, gallery: Source, enrolled: _Floats, shown: Sequence[Picture]
+        self, condition: Condition, gallery: Source, enrolled: Seen, shown: Sequence[Picture]
     ) -> Outcome:
         probes, upscalers = self.probes(condition), self.design.upscalers
         references = {scale: self.references(condition, scale) for scale in self._scales}
-        embedded: dict[str, list[_Floats]] = {method: [] for method in upscalers}
-        decibels: dict[str, list[float]] = {method: [] for method in upscalers}
+        seen = {method: Seen(self.landmarks) for method in upscalers}
         for place, some in chunks(probes):
             true = {
                 scale: source.load(place.start, place.stop)
@@ -141,45 +155,24 @@ class Trial:
                 if source is not None
             }
             for method, upscaler in upscalers.items():
-                found, quality = self._enlarge_and_embed(some, upscaler, true.get(upscaler.scale))
-                embedded[method].append(found)
-                decibels[method] += quality
+                seen[method].look(self.engine, some, upscaler, true.get(upscaler.scale))
         ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
-        scores = {
-            method: self.engine.compare(np.concatenate(parts, dtype=np.float64), enrolled, *ids)
-            for method, parts in embedded.items()
-        }
-        rows, comparisons, curves = evaluate(self.design, condition, scores, decibels)
+        decibels = {method: one.decibels for method, one in seen.items()}
+        rows, comparisons = [], []
+        curves: dict[str, Mapping[str, RocCurve]] = {}
+        for landmarks in self.landmarks:
+            scores = {
+                method: self.engine.compare(one.joined(landmarks), enrolled.joined(landmarks), *ids)
+                for method, one in seen.items()
+            }
+            errors = {name: one.errors if landmarks == "own" else () for name, one in seen.items()}
+            found = evaluate(self.design, condition, scores, decibels, landmarks, errors)
+            rows += [{"recogniser": self.name, **row} for row in found[0]]
+            comparisons += [{"recogniser": self.name, **test} for test in found[1]]
+            curves[landmarks] = {upscalers[name].label: one for name, one in found[2].items()}
         pictures = self._pictures(probes, references, shown)
-        named = {upscalers[method].label: curve for method, curve in curves.items()}
-        panel = Panel(condition.title, named, pictures, ids[0][:_SHOWN])
-        return Outcome(self._named(rows), self._named(comparisons), panel)
-
-    def _named(self, records: Sequence[Record]) -> list[Record]:
-        return [{"recogniser": self.name, **record} for record in records]
-
-    def _enlarge_and_embed(
-        self,
-        pictures: Sequence[Picture],
-        upscaler: Upscaler,
-        true: Sequence[Picture] | None = None,
-    ) -> tuple[_Floats, list[float]]:
-        """Return embeddings ``(n, D)`` and, against true references, the PSNR of each in dB."""
-        alike: dict[object, list[int]] = {}
-        for number, picture in enumerate(pictures):
-            alike.setdefault(picture.image.shape, []).append(number)
-        rows: list[_Floats] = []
-        decibels = np.empty(0 if true is None else len(true))
-        for members in alike.values():
-            images, landmarks = stack([pictures[i] for i in members])
-            enlarged = upscaler(images)
-            points = scale_points(landmarks, upscaler.scale)
-            rows.append(self.engine.embed(enlarged, points.numpy()))
-            if true is not None:
-                references = stack([true[i] for i in members])[0].numpy()
-                decibels[members] = psnr_y(enlarged.numpy(), references, shave=upscaler.scale)
-        given_order = np.argsort(np.concatenate([*alike.values()]))
-        return np.concatenate(rows)[given_order], decibels.tolist()
+        panel = Panel(condition.title, curves, pictures, ids[0][:_SHOWN])
+        return Outcome(rows, comparisons, panel)
 
     def _pictures(
         self,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from lrsr.camera import Camera
-from lrsr.configuration import number, require, whole_number, words
+from lrsr.configuration import number, require, whole_number
 from lrsr.evaluation.distinctness import (
     Distinct,
     Drawn,
@@ -26,7 +26,6 @@ from lrsr.evaluation.distinctness import (
 )
 from lrsr.identities.person import Traits
 from lrsr.identities.roster import Roster
-from lrsr.paths import path_if_any
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.picture import stack
@@ -34,12 +33,8 @@ from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting, read_gallery
 from lrsr.pictures.source import Rendered, chunks, render_sources
 from lrsr.presets import build
-from lrsr.recognition.recognisers import (
-    SMALLEST_ANGLE_DEG,
-    Recogniser,
-    read_device,
-    resolve_encoder,
-)
+from lrsr.recognition.recognisers import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
+from lrsr.recognition.settings import RecognitionSettings
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -91,10 +86,14 @@ class UniquenessSettings:
         Raises:
             InputError: A value is out of range, or dlib is asked for and not installed.
         """
-        landmarks = config.recognition.landmarks
-        require(landmarks == "shared", "recognition.landmarks", landmarks, "shared")
-        others = words(config.recognition, "recognisers")
-        require(others == ["shipped"], "recognition.recognisers", others, "none; give encoder=dlib")
+        recognition = RecognitionSettings.from_config(config)
+        known = recognition.landmarks == ("shared",)
+        require(known, "recognition.landmarks", config.recognition.landmarks, "shared")
+        alone = recognition == RecognitionSettings(recognition.model, device=recognition.device)
+        told = (
+            "model and device alone, nothing else of it is read; recognisers are named by encoder="
+        )
+        require(alone, "recognition", "...", told)
         encoder = resolve_encoder(str(config.encoder))
         given = config.smallest_angle_deg is not None
         least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
@@ -104,8 +103,8 @@ class UniquenessSettings:
             smallest_angle_deg=least,
             most_redraws=whole_number(config, "most_redraws"),
             camera=build(config.camera, "camera"),
-            model=path_if_any(config.recognition.model, "recognition.model"),
-            device=read_device(config),
+            model=recognition.model,
+            device=recognition.device,
         )
 
 
@@ -125,7 +124,7 @@ class Gallery:
 
     settings: UniquenessSettings
     cache: RenderCache
-    encoder: Recogniser
+    encoder: Encoder
     maker: Maker
     progress: bool = True
     people: dict[Drawn, Traits | None] = field(default_factory=dict)

@@ -17,7 +17,8 @@ from lrsr.files import write_bytes, write_json
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.provenance import versions
-from lrsr.recognition.recognisers import load_recognisers
+from lrsr.recognition.memory import Memory
+from lrsr.recognition.settings import Landmarks
 
 _RENDERED = (
     "Every probe and every gallery picture shows a synthetic person, rendered by Mitsuba as light "
@@ -28,14 +29,18 @@ _DONE = (
     "Bicubic is the a = -0.5 kernel; SRCNN works on BT.601 luminance, chroma goes up bicubically.",
     "PSNR is that of BT.601 studio luminance, with as many pixels shaved as the factor, averaged "
     "over images.",
-    "All methods share the renderer's true landmarks, so differences are not the detector's. Base "
-    "is not free of interpolation: alignment enlarges it bilinearly to 112 pixels.",
+    "Base is not free of interpolation: alignment enlarges it bilinearly to 112 pixels.",
     "Intervals are DeLong's; tests are paired, on the same pairs of pictures.",
 )
-_NOT_DONE = (
-    "No face detector was run: a detector's failures on such small faces come on top.",
-    "The embedder was trained on rendered faces; figures for real faces will differ.",
-)
+_LANDMARKS = {
+    "shared": "Shared landmarks: all methods have the true ones, scaled, so that no difference "
+    "between them is the detector's.",
+    "own": "Own landmarks: a detector looks for the face on each method's own picture, and on the "
+    "enrolled one, as a user would; a picture without a face is a failure to acquire (FTA).",
+}
+_WHOLE = "Where no face was found, the whole picture stood for it, so that FTA does not count it."
+_NO_DETECTOR = "No face detector was run: a detector's failures on such small faces come on top."
+_NOT_DONE = ("The embedder was trained on rendered faces; figures for real faces will differ.",)
 _FLAWLESS = "The camera has no colour filter mosaic, lens aberration or sensor noise."
 
 logger = logging.getLogger(__name__)
@@ -63,34 +68,52 @@ class Verification(Design):
         Raises:
             InputError: A file or a folder is wrong; nothing has been rendered by then.
         """
-        engines = load_recognisers(self.recognisers, self.model, device=self.device)
+        engines = self.recognition.engines(Memory(cache.folder / "recognition"))
+        trials = [
+            Trial(self, cache, engine, maker, name=name, progress=progress)
+            for name, engine in engines.items()
+        ]
+        own = "own" in trials[0].landmarks  # before anything is rendered
         outcomes: list[Outcome] = []
-        for name, engine in engines.items():
-            trial = Trial(self, cache, engine, maker, name=name, progress=progress)
+        for trial in trials:
             trial.render()
             scored, total = trial.outcomes(), len(self.conditions)
-            bar = tqdm(scored, f"scoring, {name}", total, unit="condition", disable=not progress)
-            outcomes += bar if len(engines) == 1 else (_told_by(name, bar, faces=not outcomes))
+            bar = tqdm(
+                scored, f"scoring, {trial.name}", total, unit="condition", disable=not progress
+            )
+            outcomes += bar if len(trials) == 1 else _told_by(trial.name, bar, faces=not outcomes)
         results: dict[str, Any] = {
             "rows": [row for outcome in outcomes for row in outcome.rows],
             "comparisons": [test for outcome in outcomes for test in outcome.comparisons],
             "config": self.describe(),
-            "recognition": {name: dict(engine.describe()) for name, engine in engines.items()},
+            "recognition": {
+                "recognisers": {name: dict(engine.describe()) for name, engine in engines.items()},
+                **({"detector": trials[0].engine.detector.describe()} if own else {}),
+            },
             "versions": versions(),
         }
         write_json(folder / "results.json", results)
-        self._write_report(folder, results, outcomes)
+        self._write_report(folder, results, outcomes, trials[0].landmarks)
         for row in results["rows"]:
             logger.info("%s", _line(row))
         return folder
 
-    def _write_report(self, folder: Path, results: dict[str, Any], outcomes: list[Outcome]) -> None:
+    def _write_report(
+        self,
+        folder: Path,
+        results: dict[str, Any],
+        outcomes: list[Outcome],
+        landmarks: tuple[Landmarks, ...],
+    ) -> None:
         """Write page and contact sheets; a camera without flaws is among what was not done."""
         panels = [outcome.panel for outcome in outcomes]
         rendered = self.probes_folder is None and self.gallery_folder is None
         flawless = self.camera.flawless and self.probes_folder is None
-        done = (*(_RENDERED if rendered else ()), *_DONE)
-        not_done = (*_NOT_DONE, *([_FLAWLESS] if flawless else []))
+        told = [_LANDMARKS[one] for one in landmarks]
+        told += [_WHOLE] if self.recognition.fallback == "whole_image" else []
+        done = (*(_RENDERED if rendered else ()), *_DONE, *told)
+        undetected = () if "own" in landmarks else (_NO_DETECTOR,)
+        not_done = (*undetected, *_NOT_DONE, *([_FLAWLESS] if flawless else []))
         write_report(folder, results, panels, done=done, not_done=not_done)
         for number, panel in enumerate(panels, start=1):
             if panel.pictures:
@@ -107,7 +130,9 @@ def _told_by(name: str, outcomes: Iterable[Outcome], *, faces: bool) -> Iterator
 def _line(row: Record) -> str:
     psnr = "" if row["psnr_y_db"] is None else f"  PSNR-Y {row['psnr_y_db']:.2f} dB"
     size = "" if row["ipd_px"] is None else f"  IPD {row['ipd_px']:g} px"
-    return (
-        f"{row['recogniser']}  option {row['option']}{size}  {row['label']:<9}"
-        f"  AUC {row['auc']:.4f} [{row['low']:.4f}, {row['high']:.4f}]{psnr}"
-    )
+    told = f"{row['recogniser']}  option {row['option']}{size}  {row['landmarks']:<6}"
+    told += f"  {row['label']:<9}"
+    if row["auc"] is None:
+        return f"{told}  too few faces were found (FTA {row['fta']:.3f})"
+    fta = f"  FTA {row['fta']:.3f}" if row["fta"] else ""
+    return f"{told}  AUC {row['auc']:.4f} [{row['low']:.4f}, {row['high']:.4f}]{psnr}{fta}"

@@ -19,7 +19,7 @@
     name = "embeddings"         # may be left out where the graph has one output
 
     [alignment]
-    template = "arcface5"       # see lrsr.recognition.alignment
+    template = "arcface5"       # or "eyes" or "deepface"
     antialias = true            # average when the face is made smaller; insightface does not
 
 The numbers that the graph states too (sizes, dimension) must agree with it; what it cannot state
@@ -91,6 +91,8 @@ def read_contract(model: Path) -> Contract:
     if min(np.ravel(contract.scale)) <= 0 or contract.dimension <= 0:
         raise InputError(f"{path}: input.scale and output.dimension must be above 0")
     sizes = contract.height_px, contract.width_px
+    if contract.template == "deepface" and len({*sizes}) > 1:
+        raise InputError(f"{path}: input is {sizes[0]}×{sizes[1]} px; deepface wants a square")
     if not set(sizes) <= set(_SIDES_PX):
         raise InputError(f"{path}: input is {sizes[0]}×{sizes[1]} px; wanted 16 to 1024 each")
     return contract

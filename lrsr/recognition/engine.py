@@ -1,28 +1,58 @@
-"""What tells one face from another? Align it, embed it; the cosine of two is how alike they are."""
+"""What tells one face from another? Find, align, embed; the cosine of two is how alike they are."""
 
+from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import Literal, cast, get_args
 
 import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
+from lrsr.errors import InputError
 from lrsr.evaluation.scores import CosineScores
 from lrsr.images import check_srgb
 from lrsr.paths import asset
-from lrsr.recognition.alignment import align
+from lrsr.recognition.alignment import Template, align, read_landmarks, whole_pictures
+from lrsr.recognition.detection.detector import Detector
+from lrsr.recognition.detection.faces import best_face
 from lrsr.recognition.embedding import Embedder
+from lrsr.recognition.memory import Memory
+
+Fallback = Literal["none", "whole_image"]
+FALLBACKS: tuple[Fallback, ...] = get_args(Fallback)
 
 _DEFAULT_MODEL = "weights/arcface_small.onnx"
 """Trained on rendered faces by ``lrsr train recognition=arcface``; its record lies beside it."""
 
 
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """The best face of each picture; NaN where none was found.
+
+    Attributes:
+        landmarks_px: ``(B, 5, 2)`` (x, y), px.
+        boxes_px: ``(B, 4)`` left, top, right, bottom, px.
+        scores: ``(B,)`` of the detector, [0, 1].
+    """
+
+    landmarks_px: NDArray[np.float32]
+    boxes_px: NDArray[np.float32]
+    scores: NDArray[np.float32]
+
+
 class Engine:
-    """Aligns faces by five given landmarks and embeds them.
+    """Finds faces, or takes them where they are known to be, aligns and embeds them.
 
     Args:
         model: An ONNX embedder with its contract beside it; default: the one that ships.
         antialias: Overrules the contract's: average when alignment makes a face smaller?
-        device: Where the embedder runs; see :func:`lrsr.onnx.providers_on`.
+        device: Where the networks run; see :func:`lrsr.onnx.providers_on`.
+        detector: Default: the one that ships, loaded when it is first needed.
+        template: Overrules the contract's alignment.
+        fallback: What stands for a face that was not found: nothing, or as in DeepFace the whole
+            picture, which hides the failure.
+        memory: Where detections and embeddings are kept; default: nowhere.
 
     Raises:
         InputError: See :class:`lrsr.recognition.embedding.Embedder`.
@@ -31,18 +61,73 @@ class Engine:
     compare = staticmethod(CosineScores)
 
     def __init__(
-        self, model: Path | None = None, *, antialias: bool | None = None, device: str = "cpu"
+        self,
+        model: Path | None = None,
+        *,
+        antialias: bool | None = None,
+        device: str = "cpu",
+        detector: Detector | None = None,
+        template: Template | None = None,
+        fallback: Fallback = "none",
+        memory: Memory | None = None,
     ) -> None:
         self.embedder = Embedder(model or asset(_DEFAULT_MODEL), device=device)
-        self.antialias = self.embedder.contract.antialias if antialias is None else antialias
+        contract = self.embedder.contract
+        self.antialias = contract.antialias if antialias is None else antialias
+        self.template = template or cast("Template", contract.template)
+        self.fallback: Fallback = fallback
+        self._given, self._memory, self._device = detector, memory or Memory(), device
 
-    def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:
-        """Embed faces whose landmarks are known.
+    @cached_property
+    def detector(self) -> Detector:
+        """What finds faces."""
+        return self._given or Detector(device=self._device)
+
+    def find(self, srgb: torch.Tensor) -> Faces:
+        """Find the face that each picture is of, if any.
+
+        It is chosen by :func:`lrsr.recognition.detection.faces.best_face`.
+
+        Args:
+            srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
+
+        Raises:
+            ImageContractError: The pictures break the contract of :mod:`lrsr.images`.
+            InputError: The detector finds boxes alone.
+        """
+        about = {"find": self.detector.describe(), "device": self._device}
+        pixels = check_srgb(srgb).numpy(force=True)
+        rows = self._memory.recall(about, [pixels], lambda: self._find(srgb))
+        return Faces(rows[:, :10].reshape(-1, 5, 2), rows[:, 10:14], rows[:, 14])
+
+    def _find(self, srgb: torch.Tensor) -> NDArray[np.float32]:
+        """Return landmarks, box and score of each picture's best face, ``(B, 15)``.
+
+        Raises:
+            InputError: The detector finds boxes alone.
+        """
+        rows = np.full((len(srgb), 15), np.nan, dtype=np.float32)
+        for row, faces in zip(rows, self.detector(srgb), strict=True):
+            best = best_face(faces, *srgb.shape[-2:])
+            if best is not None:
+                row[:] = [*best.landmarks_px.ravel(), *best.box_px, best.score]
+                if np.isnan(best.landmarks_px).any():
+                    raise InputError(
+                        f"{self.detector.model}: finds boxes without landmarks, by which nothing"
+                        " can be aligned; give another recognition.detector"
+                    )
+        return rows
+
+    def embed(
+        self, srgb: torch.Tensor, landmarks_px: ArrayLike, boxes_px: ArrayLike | None = None
+    ) -> NDArray[np.float32]:
+        """Embed faces whose landmarks are known, or were found by :meth:`find`.
 
         Args:
             srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
             landmarks_px: ``(B, 5, 2)``, (x, y) in px of ``srgb``; NaN or masked = no face was
                 found.
+            boxes_px: ``(B, 4)``, for alignment as DeepFace's.
 
         Returns:
             ``(B, D)`` float32, rows of length 1; a row of NaN is a failure to acquire.
@@ -51,15 +136,35 @@ class Engine:
             ImageContractError: Images or landmarks have another shape, their numbers differ, or
                 the images lie outside [0, 1] or need a gradient, which would end here.
         """
-        check_srgb(srgb)
+        pixels = check_srgb(srgb).numpy(force=True)
+        points = read_landmarks(landmarks_px, None)
+        boxes = None if boxes_px is None else np.asarray(boxes_px, dtype=np.float64)
+        how = {"template": self.template, "antialias": self.antialias, "fallback": self.fallback}
+        about = {"embed": asdict(self.embedder.contract), "device": self._device, **how}
+        arrays = [pixels, points, *([] if boxes is None else [boxes])]
+        return self._memory.recall(about, arrays, lambda: self._embed(srgb, points, boxes))
+
+    def _embed(
+        self, srgb: torch.Tensor, points: NDArray[np.float64], boxes: NDArray[np.float64] | None
+    ) -> NDArray[np.float32]:
         contract = self.embedder.contract
-        size_px = contract.height_px, contract.width_px
-        crops, found = align(srgb, landmarks_px, antialias=self.antialias, size_px=size_px)
+        crops, found = align(
+            srgb,
+            points,
+            antialias=self.antialias,
+            template=self.template,
+            boxes_px=boxes,
+            size_px=(contract.height_px, contract.width_px),
+        )
+        if self.fallback == "whole_image" and not found.all():
+            missed = torch.from_numpy(~found)
+            crops[missed] = whole_pictures(srgb[missed], contract.height_px)
+            found = np.ones_like(found)
         result = np.full((len(crops), contract.dimension), np.nan, dtype=np.float32)
         result[found] = self.embedder(crops[torch.from_numpy(found)])
         return result
 
-    def describe(self) -> dict[str, str | int | float | bool]:
+    def describe(self) -> dict[str, object]:
         """Return what a report must say of the recogniser; JSON-serialisable."""
         contract = self.embedder.contract
         return {
@@ -68,7 +173,8 @@ class Engine:
             "licence": contract.licence,
             "source": contract.source,
             "dimension": contract.dimension,
-            "alignment": contract.template,
+            "alignment": self.template,
             "antialias": self.antialias,
+            "fallback": self.fallback,
             "providers": ", ".join(self.embedder.providers),
         }

@@ -3,25 +3,22 @@
 All of them are one protocol: faces become rows of numbers, and rows become scores.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
-from lrsr.configuration import as_word, require
 from lrsr.errors import InputError
 from lrsr.evaluation.scores import ScoreSource
-from lrsr.onnx import DEVICES
+from lrsr.recognition.detection.detector import Detector
 from lrsr.recognition.dlib_encoder import DlibEncoder, dlib_is_installed
-from lrsr.recognition.engine import Engine
+from lrsr.recognition.engine import Engine, Faces
 from lrsr.recognition.features import FEATURES, Features
 from lrsr.recognition.registry import model_file
-
-if TYPE_CHECKING:
-    from omegaconf import DictConfig
 
 _SHIPPED = "shipped"
 _DLIB = ("dlib", "dlib_resnet")
@@ -30,7 +27,7 @@ _EncoderName = Literal["auto", "dlib", "shipped"]
 _ENCODERS: tuple[_EncoderName, ...] = get_args(_EncoderName)
 
 
-class Recogniser(Protocol):
+class Encoder(Protocol):
     """Turns faces whose landmarks are known into numbers, and says how alike two are."""
 
     def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:
@@ -47,6 +44,22 @@ class Recogniser(Protocol):
 
     def describe(self) -> Mapping[str, object]:
         """Return what a report must say of it; JSON-serialisable."""
+
+
+class Recogniser(Encoder, Protocol):
+    """An encoder that finds the faces, too, if need be."""
+
+    @property
+    def detector(self) -> Detector:
+        """What finds faces."""
+
+    def find(self, srgb: torch.Tensor) -> Faces:
+        """Find the face that each picture ``(B, 3, H, W)`` is of, if any."""
+
+    def embed(
+        self, srgb: torch.Tensor, landmarks_px: ArrayLike, boxes_px: ArrayLike | None = None
+    ) -> NDArray[np.float32]:
+        """Embed as an :class:`Encoder` does; boxes ``(B, 4)`` px where alignment wants them."""
 
 
 SMALLEST_ANGLE_DEG = {"dlib": 11.2, "shipped": 20.0}
@@ -70,7 +83,7 @@ def resolve_encoder(name: str) -> Literal["dlib", "shipped"]:
 
 def load_encoder(
     name: Literal["dlib", "shipped"], model: Path | None = None, *, device: str = "cpu"
-) -> Recogniser:
+) -> Encoder:
     """Load what is to tell whether two people are two: dlib's, as in the paper, or the shipped one.
 
     Args:
@@ -84,17 +97,6 @@ def load_encoder(
     if name == "dlib" and model is not None:
         raise InputError(f"recognition.model={model}: dlib takes none; add encoder=shipped")
     return DlibEncoder() if name == "dlib" else Engine(model, device=device)
-
-
-def read_device(config: "DictConfig") -> str:
-    """Read where ONNX embedders run.
-
-    Raises:
-        InputError: It is nowhere.
-    """
-    device = as_word(config.recognition.device, "recognition.device")
-    require(device in DEVICES, "recognition.device", device, f"one of {', '.join(DEVICES)}")
-    return device
 
 
 def find_recognisers(names: Sequence[str], model: Path | None = None) -> dict[str, str | Path]:
@@ -132,26 +134,63 @@ def find_recognisers(names: Sequence[str], model: Path | None = None) -> dict[st
 
 
 def load_recognisers(
-    names: Sequence[str], model: Path | None = None, *, device: str = "cpu"
+    found: Mapping[str, str | Path], engine: Callable[[Path | None], Engine] = Engine
 ) -> dict[str, Recogniser]:
-    """Load recognisers, by what a report calls them.
+    """Load recognisers.
 
     Args:
-        names: See :func:`find_recognisers`.
-        model: The same.
-        device: Of those that are ONNX files; see :func:`lrsr.onnx.providers_on`.
+        found: By :func:`find_recognisers`.
+        engine: Makes the one of an ONNX file, None: of the shipped one.
+
+    Returns:
+        Them, by the same names. Those that are no ONNX file have the faces found that the shipped
+        one's engine finds.
 
     Raises:
-        InputError: See :func:`find_recognisers`; or a file is broken.
+        InputError: A file is broken.
     """
     return {
-        label: _load(source, device) for label, source in find_recognisers(names, model).items()
+        label: engine(None if source == _SHIPPED else Path(source))
+        if isinstance(source, Path) or source == _SHIPPED
+        else _Told(Features(source) if source in FEATURES else DlibEncoder(), engine(None))
+        for label, source in found.items()
     }
 
 
-def _load(source: str | Path, device: str) -> Recogniser:
-    if isinstance(source, Path):
-        return Engine(source, device=device)
-    if source in FEATURES:
-        return Features(source)
-    return DlibEncoder() if source in _DLIB else Engine(device=device)
+@dataclass(frozen=True)
+class _Told:
+    """An encoder that an engine tells where the faces are."""
+
+    encoder: Encoder
+    engine: Engine
+
+    def __post_init__(self) -> None:
+        if self.engine.fallback != "none":
+            raise InputError(
+                f"recognition.fallback={self.engine.fallback}: only ONNX files can take a whole"
+                " picture for a face; leave it, or name only such recognisers"
+            )
+
+    @property
+    def detector(self) -> Detector:
+        return self.engine.detector
+
+    def find(self, srgb: torch.Tensor) -> Faces:
+        return self.engine.find(srgb)
+
+    def embed(
+        self, srgb: torch.Tensor, landmarks_px: ArrayLike, boxes_px: ArrayLike | None = None
+    ) -> NDArray[np.float32]:
+        return self.encoder.embed(srgb, landmarks_px)
+
+    def compare(
+        self,
+        probes: NDArray[Any],
+        gallery: NDArray[Any],
+        probe_ids: Sequence[str],
+        gallery_ids: Sequence[str],
+    ) -> ScoreSource:
+        return self.encoder.compare(probes, gallery, probe_ids, gallery_ids)
+
+    def describe(self) -> Mapping[str, object]:
+        return self.encoder.describe()

@@ -7,6 +7,8 @@ bits change from run to run.
 """
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 import numpy as np
@@ -70,7 +72,8 @@ def expose(
     per_pass = math.prod(grid(-(-samples // passes)))
     sensor = _make_sensor(viewpoint, pose, side, per_pass, lens, focus_mm, edges)
     if "scalar" in mi.variant():
-        return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=seed))
+        with nullcontext() if lens.is_pinhole else _one_thread():
+            return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=seed))
     total, count = np.zeros((2, side * side, bands or 3), dtype=np.float64)
     for number in range(passes):
         own_seed = _pass_seed(seed, number)
@@ -93,6 +96,20 @@ def _edges(bands: int) -> _Edges:
             " LRSR_VARIANT=llvm_ad_spectral, or choose a camera that needs no bands"
         )
     return band_edges(bands) if bands else None
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Trace in this thread alone: each ray through a lens is Python's, one thread at a time.
+
+    Several take turns at every ray, which took minutes on busy cores, or for ever.
+    """
+    count = dr.thread_count()
+    dr.set_thread_count(0)
+    try:
+        yield
+    finally:
+        dr.set_thread_count(count)
 
 
 def _pass_seed(seed: int, number: int) -> int:

@@ -60,7 +60,7 @@ def test_a_file_is_added_verified_used_by_name_and_removed(
         (["models", "add", "mine.onnx", "mirror=x"], "no setting 'mirror'"),
         (["eval", "recognition=buffalo_l"], "buffalo_l is not here: lrsr models pull buffalo_l"),
         (["eval", "recognition=[shipped,mime]"], "no recogniser 'mime'"),
-        (["identities", "recognition=lbp"], "recognition.recognisers"),
+        (["identities", "recognition=lbp"], "encoder= says who compares"),
     ],
     ids=" ".join,
 )

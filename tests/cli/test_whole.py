@@ -40,9 +40,14 @@ def test_eval_writes_results_and_report(capsys: pytest.CaptureFixture[str]) -> N
     assert main(words) == 0
     folder = last_line(capsys)
     results = json.loads((folder / "results.json").read_text())
-    assert [(row["option"], row["method"]) for row in results["rows"]] == [
-        (option, method) for option in (1, 6) for method in ("base", "bicubic2", "srcnn2")
+    assert [(row["option"], row["landmarks"], row["method"]) for row in results["rows"]] == [
+        (option, landmarks, method)
+        for option in (1, 6)
+        for landmarks in ("shared", "own")
+        for method in ("base", "bicubic2", "srcnn2")
     ]
+    assert results["recognition"]["detector"]["model"] == "retinaface_mnet025.onnx"
+    assert all(row["fta"] < 1 for row in results["rows"] if row["option"] == 1)
     assert {path.name for path in folder.iterdir()} == {
         "config.yaml", "versions.json", "results.json", "report.html", "faces_1.png", "faces_2.png",
     }  # fmt: skip
@@ -96,7 +101,7 @@ def test_train_leaves_weights_that_eval_would_take(capsys: pytest.CaptureFixture
         weights = f"sr.mine.weights={folder / name}"
         assert main(["eval", "+debug=smoke", "methods=[base,bicubic2,mine]", weights]) == 0
         rows = json.loads((last_line(capsys) / "results.json").read_text())["rows"]
-        assert [row["method"] for row in rows] == ["base", "bicubic2", "mine"]
+        assert [row["method"] for row in rows] == ["base", "bicubic2", "mine"] * 2
 
 
 @pytest.mark.parametrize(

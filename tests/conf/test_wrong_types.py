@@ -16,7 +16,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import OmegaConf
 
-from lrsr import tasks
+from lrsr import presets, tasks
 from lrsr.failures import explain
 from lrsr.paths import config_folder
 from lrsr.sr import upscaler
@@ -98,12 +98,21 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("lrsr.training.rendered.Rendered.about", lambda _: {})
     monkeypatch.setattr(tasks, "write_provenance", lambda *_: None)
     monkeypatch.setattr(upscaler, "read_weights", functools.cache(upscaler.read_weights))
+    monkeypatch.setattr(presets, "preset", as_they_are)
     hydra = SimpleNamespace(
         job=SimpleNamespace(config_name="command", num=0),
         mode=RunMode.RUN,
         overrides=SimpleNamespace(task=[]),
     )
     monkeypatch.setattr(HydraConfig, "get", lambda: hydra)
+
+
+PRESET, BUILT = presets.preset, functools.cache(presets.preset)
+
+
+def as_they_are(group: str, name: str, /, **changes: Any) -> Any:
+    """A preset, built once where nothing of it is changed: most are not what a case is about."""
+    return PRESET(group, name, **changes) if changes else BUILT(group, name)
 
 
 def leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:

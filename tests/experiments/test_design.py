@@ -186,7 +186,14 @@ def test_a_condition_may_have_angles_of_its_own() -> None:
         (["conditions.1.pose=lefft"], "pose=lefft: there is none; did you mean left"),
         (["methods=[base,magic]"], "sr=magic: there is none"),
         (["+sr.mine.weights=x.ckpt"], "mine among them, as sr.mine is given"),
-        (["recognition.landmarks=own"], "recognition.landmarks=own: wanted shared"),
+        (["recognition.landmarks=mine"], "landmarks=mine: wanted one of shared, own, both"),
+        (["recognition.fallback=all"], "recognition.fallback=all: wanted one of none, whole_"),
+        (["recognition.alignment=nose"], "recognition.alignment=nose: wanted one of arcface5"),
+        (["recognition.enlargement.border=-1"], r"recognition\.enlargement\.border=-1"),
+        (
+            ["+recognition.enlargement.tile=3"],
+            r"recognition\.enlargement=tile: wanted one of border",
+        ),
         (["probes.folder=nowhere"], "nowhere is no folder"),
     ],
 )

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+import skimage.data
 import torch
 from fakes.painted import PaintedMaker
 
 from lrsr.camera import Camera
+from lrsr.errors import InputError
 from lrsr.experiments.design import Condition
-from lrsr.experiments.trial import Trial
+from lrsr.experiments.seen import Seen
 from lrsr.experiments.verification import Verification
 from lrsr.identities.head import Head
 from lrsr.identities.roster import IdentityRange
@@ -26,6 +28,7 @@ from lrsr.pictures.sitting import Sitting
 from lrsr.pictures.to_folder import RenderSettings, render_to_folder
 from lrsr.presets import preset
 from lrsr.recognition import Engine
+from lrsr.recognition.settings import RecognitionSettings
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.sr import Bicubic
@@ -89,7 +92,7 @@ def run(folder: Path, design: Verification, maker: FaintMaker) -> dict[str, Any]
 def test_pictures_of_a_folder_give_the_rows_of_the_people_they_show(
     tmp_path: Path, tone_model: Path, maker: FaintMaker
 ) -> None:
-    asked = replace(DESIGN, model=tone_model)
+    asked = replace(DESIGN, recognition=RecognitionSettings(tone_model))
     probes, gallery = render(tmp_path, maker)
     rendered = run(tmp_path, asked, maker)
     read = run(
@@ -97,7 +100,7 @@ def test_pictures_of_a_folder_give_the_rows_of_the_people_they_show(
         replace(asked, conditions=(PHOTOGRAPHS,), probes_folder=probes, gallery_folder=gallery),
         FaintMaker(),
     )
-    assert not (tmp_path / "read" / "cache").exists()
+    assert not [*(tmp_path / "read" / "cache").rglob("*.safetensors")]
     assert 0.6 < rendered["rows"][0]["auc"] < 0.99  # hard enough to be a test
     assert read["rows"] == rendered["rows"]
     assert read["comparisons"] == rendered["comparisons"]
@@ -108,7 +111,7 @@ def test_render_and_eval_share_the_cache(
 ) -> None:
     render(tmp_path, maker)
     assert len(maker.rendered) == 10 * (3 + 1)
-    run(tmp_path, replace(DESIGN, model=tone_model), maker)
+    run(tmp_path, replace(DESIGN, recognition=RecognitionSettings(tone_model)), maker)
     assert len(maker.rendered) == 10 * (3 + 1)
 
 
@@ -116,7 +119,7 @@ def test_a_folder_may_stand_in_for_the_gallery_alone(
     tmp_path: Path, tone_model: Path, maker: FaintMaker
 ) -> None:
     _, gallery = render(tmp_path, maker)
-    asked = replace(DESIGN, model=tone_model)
+    asked = replace(DESIGN, recognition=RecognitionSettings(tone_model))
     whole = run(tmp_path, asked, maker)
     half = run(tmp_path, replace(asked, gallery_folder=gallery), maker)
     assert [row["auc"] for row in half["rows"]] == [row["auc"] for row in whole["rows"]]
@@ -140,7 +143,9 @@ def test_a_probe_without_landmarks_is_a_failure_to_acquire(
         return replace(row, landmarks_px=None) if number < 4 else row
 
     design = photographs(tmp_path, maker, forget)
-    for row in run(tmp_path, replace(design, model=tone_model), maker)["rows"]:
+    for row in run(tmp_path, replace(design, recognition=RecognitionSettings(tone_model)), maker)[
+        "rows"
+    ]:
         assert (row["fta"], row["n_genuine"], row["n_impostor"]) == (0.4, 6, 6 * 9)
         assert row["psnr_y_db"] is None  # the folder has no references any more
 
@@ -155,7 +160,9 @@ def test_probes_of_several_sizes_are_compared_but_not_shown(
         return row
 
     design = photographs(tmp_path, maker, crop)
-    rows = run(tmp_path, replace(design, model=tone_model), maker)["rows"]
+    rows = run(tmp_path, replace(design, recognition=RecognitionSettings(tone_model)), maker)[
+        "rows"
+    ]
     assert [(row["fta"], row["n_genuine"]) for row in rows] == [(0.0, 10)] * 2
     assert not (tmp_path / "run" / "faces_1.png").exists()
 
@@ -166,7 +173,7 @@ def test_manifests_are_read_once(
     design = photographs(tmp_path, maker, lambda _, __, row: row)
     read: list[Path] = []
     monkeypatch.setattr(source, "read_folder", lambda root: read.append(root) or read_folder(root))
-    run(tmp_path, replace(design, model=tone_model), maker)
+    run(tmp_path, replace(design, recognition=RecognitionSettings(tone_model)), maker)
     assert sorted(read) == sorted([design.probes_folder, design.gallery_folder])
 
 
@@ -183,11 +190,48 @@ def test_pictures_of_turning_sizes_go_by_size_and_come_in_order(
     points = torch.rand(6, 5, 2, generator=generator) * 8
     images = [torch.rand(3, 12, 12 + k % 2, generator=generator) for k in range(6)]
     pictures = [Picture(image, "p", one, "") for image, one in zip(images, points, strict=True)]
-    trial = Trial(DESIGN, RenderCache(tmp_path), Counting(tone_model))
+    engine = Counting(tone_model)
     true = [replace(picture, image=picture.image.flip(-1)) for picture in pictures]
-    rows, decibels = trial._enlarge_and_embed(pictures, Bicubic(1), true)
+    seen = Seen(["shared"])
+    seen.look(engine, pictures, Bicubic(1), true)
     assert batches == [3, 3]
-    for row, psnr_db, one, other in zip(rows, decibels, pictures, true, strict=True):
-        (alone,), (quality,) = trial._enlarge_and_embed([one], Bicubic(1), [other])
-        np.testing.assert_allclose(row, alone, atol=1e-6)
-        assert psnr_db == pytest.approx(quality)
+    for k, (one, other) in enumerate(zip(pictures, true, strict=True)):
+        alone = Seen(["shared"])
+        alone.look(engine, [one], Bicubic(1), [other])
+        np.testing.assert_allclose(seen.joined("shared")[k], alone.joined("shared")[0], atol=1e-6)
+        assert seen.decibels[k] == pytest.approx(alone.decibels[0])
+
+
+def two_people(folder: Path) -> Path:
+    """Write photographs of two people without landmarks: a rendered one and an astronaut."""
+    data = Path(__file__).parents[1] / "data"
+    astronaut = torch.from_numpy(skimage.data.astronaut()).permute(2, 0, 1)[:, 20:212, 130:322]
+    for name, face in (
+        ("one", read_image(data / "rendered_face.png")),
+        ("other", astronaut.float() / 255),
+    ):
+        for number in range(2):
+            write_png(folder / name / f"{number}.png", (face * (0.9 + 0.1 * number)).contiguous())
+    return folder
+
+
+def test_faces_on_photographs_without_landmarks_are_found(tmp_path: Path) -> None:
+    folder = two_people(tmp_path / "people")
+    photographs = {"probes_folder": folder, "gallery_folder": folder}
+    design = replace(DESIGN, conditions=(PHOTOGRAPHS,), **photographs)
+    upscalers = {"base": DESIGN.upscalers["base"]}
+    both = RecognitionSettings(landmarks=("shared", "own"))
+    (row,) = run(tmp_path, replace(design, upscalers=upscalers, recognition=both), FaintMaker())[
+        "rows"
+    ]
+    assert (row["landmarks"], row["fta"], row["wrong_place"]) == ("own", 0.0, None)
+    assert (row["n_genuine"], row["n_impostor"]) == (8, 8)
+    assert row["auc"] == 1.0
+
+
+def test_true_landmarks_that_nobody_knows_are_refused(tmp_path: Path) -> None:
+    folder = two_people(tmp_path / "people")
+    design = replace(DESIGN, conditions=(PHOTOGRAPHS,), probes_folder=folder)
+    with pytest.raises(InputError, match=r"no picture in .*people has.*recognition\.landmarks=own"):
+        run(tmp_path, design, FaintMaker())
+    assert not (tmp_path / "cache").exists()

@@ -6,6 +6,7 @@ import pytest
 from sklearn.metrics import roc_auc_score
 
 from lrsr.camera import Camera
+from lrsr.errors import ScoreError
 from lrsr.evaluation.scores import Scores
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.table import Record, evaluate
@@ -127,12 +128,12 @@ def test_rows_and_comparisons_have_the_fields_of_the_results_file() -> None:
         "experiment", "option", "ipd_px", "pose", "lighting", "compression", "method", "label",
         "landmarks", "auc", "std", "low", "high", "n_genuine", "n_impostor", "level", "logit_low",
         "logit_high", "subject_std", "subject_low", "subject_high", "psnr_y_db", "fta", "eer",
-        "d_prime", "rank_1", "fnmr",
+        "d_prime", "rank_1", "fnmr", "wrong_place",
     ]  # fmt: skip
     (comparison,) = compared({"base": scored(0.1), "srcnn4": scored(0.9)})
     assert list(comparison) == [
-        "option", "ipd_px", "method", "against", "difference", "low", "high", "subject_low",
-        "subject_high", "z", "p", "log10_p",
+        "option", "ipd_px", "landmarks", "method", "against", "difference", "low", "high",
+        "subject_low", "subject_high", "z", "p", "log10_p",
     ]  # fmt: skip
 
 
@@ -141,3 +142,52 @@ def test_an_infinite_z_is_none() -> None:
     (comparison,) = compared({"base": scored(-9.0), "srcnn4": scored(9.0)})
     assert (comparison["difference"], comparison["p"]) == (1.0, 0.0)
     assert comparison["z"] is comparison["log10_p"] is None
+
+
+def own(
+    scores: Mapping[str, Scores], errors: Mapping[str, object]
+) -> tuple[list[Record], list[Record]]:
+    asked = design({name: preset("sr", name) for name in scores})
+    return evaluate(asked, CONDITION, scores, dict.fromkeys(scores, ()), "own", errors)[:2]
+
+
+def test_faces_in_a_wrong_place_are_counted_among_those_found() -> None:
+    errors = {"base": [0.1, 0.24, 0.26, np.nan, np.nan]}  # distances of the eyes
+    ((found,), _) = own({"base": scored(0.3)}, errors)
+    assert (found["landmarks"], found["wrong_place"]) == ("own", pytest.approx(1 / 3))
+    ((unknown,), _) = own({"base": scored(0.3)}, {"base": [np.nan, np.nan]})
+    assert unknown["wrong_place"] is None
+
+
+def missed(found: int) -> Scores:
+    matrix = scored(0.3).matrix.copy()
+    matrix[found:] = np.nan
+    return Scores(matrix, PEOPLE, PEOPLE)
+
+
+def test_a_method_by_which_too_few_are_found_has_a_row_and_no_test() -> None:
+    scores = {"base": scored(0.3), "bicubic4": scored(0.4), "srcnn4": missed(1)}
+    rows, tests = own(scores, {})
+    assert [row["auc"] is None for row in rows] == [False, False, True]
+    assert [(one["method"], one["against"]) for one in tests] == [("bicubic4", "base")]
+    assert (rows[2]["fta"], rows[2]["n_genuine"], rows[2]["n_impostor"]) == (39 / 40, 1, 39)
+    assert rows[2]["fnmr"] == []
+    assert list(rows[2]) == list(rows[0])
+    assert {name: rows[0][name] for name in ("auc", "std")} == {
+        name: row(scored(0.3))[name] for name in ("auc", "std")
+    }
+    json.dumps(rows, allow_nan=False)
+
+
+def test_two_methods_that_found_nothing_in_common_are_not_compared() -> None:
+    matrix = scored(0.3).matrix.copy()
+    matrix[:20] = np.nan
+    rows, tests = own({"base": missed(20), "srcnn4": Scores(matrix, PEOPLE, PEOPLE)}, {})
+    assert [one["auc"] is None for one in rows] == [False, False]
+    assert tests == []
+
+
+def test_too_few_scores_although_nothing_failed_is_the_users_to_mend() -> None:
+    strangers = Scores(scored(0.3).matrix, PEOPLE, [f"other-{name}" for name in PEOPLE])
+    with pytest.raises(ScoreError, match="base: "):
+        own({"base": strangers}, {})

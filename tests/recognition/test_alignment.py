@@ -1,20 +1,29 @@
+import json
 from collections.abc import Callable
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 import torch
+from oracles.make_alignments import CASES, picture
 from skimage.transform import SimilarityTransform
 
 from lrsr.errors import ImageContractError
 from lrsr.images import scale_points
 from lrsr.recognition.alignment import (
+    _EYES_PX,
     TEMPLATE_PX,
+    _boxes_about,
     _fit_similarities,
     align,
+    landmark_errors,
     read_landmarks,
     warp,
+    whole_pictures,
 )
+
+DATA = Path(__file__).parents[1] / "data"
 
 
 def some_landmarks(count: int, seed: int = 0) -> np.ndarray:
@@ -220,3 +229,62 @@ def test_landmarks_far_beyond_their_picture_are_refused() -> None:
         align(
             torch.zeros(1, 3, 16, 16), TEMPLATE_PX[None] * 0 + np.eye(5, 2) * 5000, antialias=True
         )
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_crop_is_that_of_insightface(name: str) -> None:
+    levels = torch.from_numpy(picture()).permute(2, 0, 1)[None].float()
+    crops, _ = align(levels / 255, [CASES[name][0]], antialias=False)
+    got = crops[0].permute(1, 2, 0)[4::16, 4::16]
+    oracle = json.loads((DATA / "alignments_insightface.json").read_text())[name]
+    np.testing.assert_allclose(got, np.array(oracle) / 255, atol=1e-5)
+
+
+@pytest.mark.parametrize("spare", [np.nan, 1e3], ids=["not known", "anywhere"])
+def test_eyes_are_brought_level_whatever_the_other_points(spare: float) -> None:
+    points = some_landmarks(6)
+    points[:, 2:] = spare
+    for matrix, eyes in zip(_fit_similarities(points, _EYES_PX), points[:, :2], strict=True):
+        np.testing.assert_allclose(eyes @ matrix[:, :2].T + matrix[:, 2], _EYES_PX, atol=1e-9)
+        assert np.linalg.det(matrix[:, :2]) > 0
+
+
+def test_a_face_cut_out_as_by_deepface_needs_its_box(rendered: torch.Tensor) -> None:
+    points, box = CASES["turned"]
+    twice = rendered.repeat(2, 1, 1, 1)
+    crops, found = align(
+        twice, [points] * 2, antialias=False, template="deepface", boxes_px=[box, [90, 90, 95, 95]]
+    )
+    assert found.tolist() == [True, False]
+    assert crops[0].any()
+    assert not crops[1].any()
+
+
+def test_without_a_box_deepface_gets_one_about_the_eyes(rendered: torch.Tensor) -> None:
+    points = np.array([CASES["upright"][0]], dtype=float)
+    given, _ = align(
+        rendered, points, antialias=False, template="deepface", boxes_px=_boxes_about(points)
+    )
+    crops, _ = align(rendered, points, antialias=False, template="deepface")
+    assert torch.equal(crops, given)
+    left, top, right, bottom = _boxes_about(points)[0]
+    assert left < 14 < 22 < right
+    assert top < 12 < 21 < bottom
+
+
+def test_a_whole_picture_stands_for_a_face() -> None:
+    (crop,) = whole_pictures(torch.full((1, 3, 8, 4), 0.6))
+    torch.testing.assert_close(crop[:, :, 28:84], torch.full((3, 112, 56), 0.6))
+    assert not crop[:, :, :28].any()
+
+
+def test_errors_are_counted_in_distances_of_the_true_eyes() -> None:
+    found = np.stack([TEMPLATE_PX + np.array([3, 4]), TEMPLATE_PX, np.full((5, 2), np.nan)])
+    ipd_px = np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0])
+    errors = landmark_errors(found, np.stack([TEMPLATE_PX] * 3))
+    np.testing.assert_allclose(errors, [5 / ipd_px, 0, np.nan])
+
+
+@pytest.fixture
+def rendered() -> torch.Tensor:
+    return torch.from_numpy(picture()).permute(2, 0, 1)[None].float() / 255

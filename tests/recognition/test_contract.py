@@ -66,7 +66,7 @@ def test_a_whole_number_does_for_a_mean(tiny_model: Path) -> None:
         ('licence = "MIT"', 'license = "MIT"', "unknown field 'license'"),
         ("[alignment]", "[alignement]", "unknown field 'alignement'"),
         ("[output]", "[output", "cannot be read as a contract"),
-        ('template = "arcface5"', 'template = "none"', "wanted arcface5"),
+        ('template = "arcface5"', 'template = "nose"', "wanted arcface5 or eyes or deepface"),
     ],
 )
 def test_a_wrong_contract_is_named_in_one_line(

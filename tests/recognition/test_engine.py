@@ -1,6 +1,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import torch
@@ -8,8 +9,11 @@ import torch
 from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.scores import CosineScores
 from lrsr.recognition import Engine
-from lrsr.recognition.alignment import TEMPLATE_PX, align
+from lrsr.recognition.alignment import TEMPLATE_PX, Template, align, whole_pictures
+from lrsr.recognition.detection.detector import Detector
+from lrsr.recognition.detection.faces import Detection
 from lrsr.recognition.embedding import Embedder
+from lrsr.recognition.memory import Memory
 
 
 def faces(count: int, side: int = 112) -> torch.Tensor:
@@ -109,3 +113,76 @@ def test_the_part_has_no_other_names() -> None:
 
     with pytest.raises(AttributeError, match="has no attribute 'engin'"):
         lrsr.recognition.engin  # noqa: B018 - asking is the test
+
+
+class Finder(Detector):
+    """Finds what it is told to; counts how often it is asked."""
+
+    def __init__(self, *faces: list[Detection]) -> None:
+        super().__init__()
+        self.faces, self.calls = faces, 0
+
+    def __call__(self, srgb: torch.Tensor, *, ipd_px: float | None = None) -> list[list[Detection]]:
+        self.calls += 1
+        return [*self.faces]
+
+
+def at(left: float, side: float, points: np.ndarray = TEMPLATE_PX) -> Detection:
+    box = np.array([left, left, left + side, left + side], dtype=np.float32)
+    return Detection(box, 0.75, points.astype(np.float32))
+
+
+def test_the_best_face_of_each_picture_is_found(tiny_model: Path) -> None:
+    engine = Engine(tiny_model, detector=Finder([at(0, 20), at(30, 50, TEMPLATE_PX / 2)], []))
+    found = engine.find(faces(2))
+    np.testing.assert_allclose(found.landmarks_px[0], TEMPLATE_PX / 2, rtol=1e-6)
+    assert found.boxes_px[0].tolist() == [30, 30, 80, 80]
+    assert found.scores.tolist()[:1] == [0.75]
+    assert np.isnan(found.landmarks_px[1]).all()
+    assert np.isnan(found.scores[1])
+
+
+def test_the_detector_that_ships_finds_a_rendered_face(tiny_model: Path) -> None:
+    level = cv2.imread(str(Path(__file__).parents[1] / "data" / "rendered_face.png"))[..., ::-1]
+    picture = torch.from_numpy(level.copy()).permute(2, 0, 1)[None].float() / 255
+    left, right, nose, *mouth = Engine(tiny_model).find(picture).landmarks_px[0]
+    assert 24 * 0.8 < right[0] - left[0] < 24 * 1.1
+    assert left[1] < nose[1] < mouth[0][1]
+
+
+def test_what_is_not_found_may_be_the_whole_picture(tiny_model: Path) -> None:
+    images, nowhere = faces(2, 60), np.full((2, 5, 2), np.nan)
+    nowhere[0] = TEMPLATE_PX / 2
+    some = Engine(tiny_model, fallback="whole_image").embed(images, nowhere)
+    np.testing.assert_array_equal(some[0], Engine(tiny_model).embed(images, nowhere)[0])
+    np.testing.assert_array_equal(some[1:], Embedder(tiny_model)(whole_pictures(images[1:])))
+
+
+@pytest.mark.parametrize("template", ["eyes", "deepface"])
+def test_the_user_may_align_in_another_way_than_the_contract(
+    tiny_model: Path, template: Template
+) -> None:
+    images, points = faces(1, 60), TEMPLATE_PX[None] / 2
+    engine = Engine(tiny_model, template=template)
+    crops, _ = align(images, points, antialias=False, template=template)
+    np.testing.assert_array_equal(engine.embed(images, points), Embedder(tiny_model)(crops))
+    assert engine.describe()["alignment"] == template
+
+
+def test_nothing_is_looked_at_twice(tiny_model: Path, tmp_path: Path) -> None:
+    finder, images = Finder([at(30, 50)], [at(30, 40)]), faces(2)
+    rows = []
+    for _ in range(2):
+        engine = Engine(tiny_model, detector=finder, memory=Memory(tmp_path))
+        found = engine.find(images)
+        rows.append(engine.embed(images, found.landmarks_px, found.boxes_px))
+    assert finder.calls == 1
+    np.testing.assert_array_equal(*rows)
+    other = Engine(tiny_model, template="eyes", detector=finder, memory=Memory(tmp_path))
+    assert (other.embed(images, found.landmarks_px) != rows[0]).any()
+
+
+def test_a_detector_of_boxes_alone_is_refused(tiny_model: Path) -> None:
+    engine = Engine(tiny_model, detector=Finder([at(0, 20, np.full((5, 2), np.nan))]))
+    with pytest.raises(InputError, match=r"boxes without landmarks.*give another"):
+        engine.find(faces(1))

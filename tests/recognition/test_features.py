@@ -19,7 +19,7 @@ from lrsr.recognition.features import (
     local_phase_quantisation,
     oriented_gradients,
 )
-from lrsr.recognition.recognisers import load_recognisers
+from lrsr.recognition.recognisers import find_recognisers, load_recognisers
 
 LANDMARKS = TEMPLATE_PX[None]
 
@@ -98,7 +98,7 @@ def test_brightness_and_contrast_change_no_wavelets_face() -> None:
 
 @pytest.mark.parametrize("name", FEATURES)
 def test_a_face_is_most_like_itself_and_no_face_has_no_score(name: str) -> None:
-    recogniser = load_recognisers([name])[name]
+    recogniser = load_recognisers(find_recognisers([name]))[name]
     rows = recogniser.embed(faces(1, 2, 3), np.concatenate([LANDMARKS] * 2 + [LANDMARKS * np.nan]))
     assert np.isnan(rows).all(axis=1).tolist() == [False, False, True]
     scores = recogniser.compare(rows.astype(np.float64), rows[:2].astype(np.float64), "abc", "ab")

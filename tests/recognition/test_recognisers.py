@@ -92,7 +92,7 @@ def test_a_missing_model_is_named(tmp_path: Path) -> None:
 def test_recognisers_are_called_by_name_and_files_by_their_stem(tiny_model: Path) -> None:
     found = find_recognisers(["shipped", str(tiny_model)])
     assert found == {"shipped": "shipped", "tiny": tiny_model}
-    loaded = load_recognisers(["shipped", str(tiny_model)])
+    loaded = load_recognisers(find_recognisers(["shipped", str(tiny_model)]))
     assert [one.describe()["model"] for one in loaded.values()] == [
         "arcface_small.onnx",
         "tiny.onnx",
@@ -134,7 +134,7 @@ def test_dlib_that_is_not_installed_is_refused_before_anything_is_done(
 
 def test_dlib_recognises_as_any_other(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     install_dlib(monkeypatch, tmp_path)
-    dlib = load_recognisers(["dlib"])["dlib"]
+    dlib = load_recognisers(find_recognisers(["dlib"]))["dlib"]
     faces = torch.rand(2, 3, 112, 112, generator=torch.Generator().manual_seed(0))
     rows = dlib.embed(faces, np.stack([TEMPLATE_PX] * 2))
     scores = dlib.compare(rows, rows, ["a", "b"], ["a", "b"])

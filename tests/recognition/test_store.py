@@ -14,7 +14,7 @@ from lrsr.onnx import contract_path, sha256_of
 from lrsr.recognition import store
 from lrsr.recognition.contract import read_contract
 from lrsr.recognition.detection.contract import read_detector_contract
-from lrsr.recognition.recognisers import load_recognisers
+from lrsr.recognition.recognisers import find_recognisers, load_recognisers
 from lrsr.recognition.registry import Model, Source, model_file, records
 from lrsr.recognition.store import Wish, add, pull, remove, table, verify
 
@@ -78,7 +78,10 @@ def test_a_pack_is_pulled_and_its_models_are_used_by_name(
     assert (contract.dimension, contract.mean, contract.licence) == (147, 127.5, "MIT")
     finder = read_detector_contract(model_file("finder", "detector"))
     assert finder.names[:4] == ("score_8", "score_16", "score_32", "bbox_8")
-    assert load_recognisers(["net"])["net"].describe()["source"] == f"{server.url}/pack.zip"
+    assert (
+        load_recognisers(find_recognisers(["net"]))["net"].describe()["source"]
+        == f"{server.url}/pack.zip"
+    )
     assert verify() == ["finder: as it was recorded", "net: as it was recorded"]
 
 
@@ -171,7 +174,7 @@ def test_a_file_of_ones_own_is_usable_by_name(folder: Path, tmp_path: Path) -> N
     contract = read_contract(model_file("mine", "recogniser"))
     assert (contract.licence, contract.source) == ("CC0", "added from mine.onnx")
     assert contract.scale == (255.0, 255.0, 255.0)
-    assert "mine" in load_recognisers(["mine"])
+    assert "mine" in load_recognisers(find_recognisers(["mine"]))
     assert remove("mine") == ["mine: removed"]
     assert list(folder.iterdir()) == []
 

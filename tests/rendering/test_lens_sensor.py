@@ -278,8 +278,11 @@ def test_the_slow_variant_shows_the_same(renderer: Studio, tmp_path: Path) -> No
     ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16, "lens": "single"}
     fast = renderer.render(stand_in(0), **{**ask, "samples_per_pixel": 1024}).image.numpy()
     code = (
-        "import sys, numpy as np; from oracles.heads import stand_in; import lrsr.rendering\n"
+        "import sys, drjit, numpy as np\n"
+        "from oracles.heads import stand_in; import lrsr.rendering\n"
+        "threads = drjit.thread_count()\n"
         f"result = lrsr.rendering.render(stand_in(0), **{ask!r})\n"
+        "assert drjit.thread_count() == threads\n"
         "np.save(sys.argv[1], result.image.numpy())"
     )
     target = tmp_path / "slow.npy"

@@ -1,3 +1,4 @@
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,11 +14,14 @@ LIGHTINGS = ["frontal", "above", "below", "side"]
 EXPRESSIONS = ["blink", "frown", "grin", "mouth_open", "smile", "squint", "surprise"]
 
 
+named = cache(preset)  # hundreds of varieties are made of the same few files
+
+
 def variety(**changes: Any) -> Variety:
     given = {
-        "poses": [preset("pose", name) for name in POSES],
-        "lightings": [preset("lighting", name) for name in LIGHTINGS],
-        "expressions": [preset("expression", name) for name in EXPRESSIONS],
+        "poses": [named("pose", name) for name in POSES],
+        "lightings": [named("lighting", name) for name in LIGHTINGS],
+        "expressions": [named("expression", name) for name in EXPRESSIONS],
         "named_share": 0.3,
         "expression_share": 1.0,
     }

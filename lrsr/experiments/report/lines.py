@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import Any
 
 from lrsr.evaluation.multiplicity import holm_adjusted
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+_SOURCES = ("recogniser", "landmarks")
+"""Parts of a condition that are told where there are several."""
 
 _Records = Sequence[Mapping[str, Any]]
 """Rows or comparisons, as in ``results.json``."""
@@ -16,6 +19,8 @@ _Records = Sequence[Mapping[str, Any]]
 
 def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
     """Return each row with what the template prints besides: condition, interval, tests.
+
+    Where there are several recognisers or sources of landmarks, these are part of the condition.
 
     Args:
         rows: Lines of the table, as of :func:`lrsr.experiments.table.evaluate`.
@@ -32,14 +37,17 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
             "p": _format_p(test["p"], test["log10_p"]),
             "remains": p_holm < 0.05,
         }
-    several = len({row["recogniser"] for row in rows}) > 1
-    return [_line(row, tests.get(_place(row), {}), several=several) for row in rows]
+    several = {key for key in _SOURCES if len({row[key] for row in rows}) > 1}
+    return [_line(row, tests.get(_place(row), {}), several) for row in rows]
 
 
 def best_methods(lines: _Records) -> Iterator[str]:
     """Yield a sentence for each condition of :func:`report_lines`: who is best, by how much."""
     for condition in dict.fromkeys(line["condition"] for line in lines):
-        here = [line for line in lines if line["condition"] == condition]
+        here = [line for line in lines if line["condition"] == condition and line["measured"]]
+        if not here:
+            yield f"{condition}: too few faces were found to measure anything."
+            continue
         top = max(line["auc"] for line in here)
         best = [line for line in here if line["auc"] == top]
         if len(here) == 1:
@@ -83,21 +91,26 @@ def _format_p(p: float, log10_p: float | None = None) -> str:
 
 
 def _place(record: Mapping[str, Any]) -> tuple[object, ...]:
-    return record["recogniser"], record["option"], record["ipd_px"], record["method"]
+    names = ("recogniser", "option", "ipd_px", "landmarks", "method")
+    return tuple(record[name] for name in names)
 
 
-def _line(row: Mapping[str, Any], tests: Mapping[str, Any], *, several: bool) -> dict[str, Any]:
-    low, high = row["low"], row["high"]
+def _line(row: Mapping[str, Any], tests: Mapping[str, Any], several: Set[str]) -> dict[str, Any]:
+    low, high, measured = row["low"], row["high"], row["auc"] is not None
     degenerate = row["std"] == 0
-    cut = not degenerate and (low <= 0 or high >= 1) and row["logit_low"] is not None
+    outside = measured and (low <= 0 or high >= 1)
+    cut = not degenerate and outside and row["logit_low"] is not None
     if cut:
         low, high = row["logit_low"], row["logit_high"]
-    name = f"{row['recogniser']}. " if several else ""
     size = "" if row["ipd_px"] is None else f", IPD {row['ipd_px']:g} px"
+    source = f", {row['landmarks']} landmarks" if "landmarks" in several else ""
+    name = f"{row['recogniser']}. " if "recogniser" in several else ""
+    exact = degenerate or not measured
     return {
         **row,
-        "condition": f"{name}Option {row['option']}{size}",
-        "interval": "no interval" if degenerate else f"{low:.3f} – {high:.3f}",
+        "condition": f"{name}Option {row['option']}{size}{source}",
+        "measured": measured,
+        "interval": "no interval" if exact else f"{low:.3f} – {high:.3f}",
         "low": low,
         "high": high,
         "cut": cut,

@@ -13,6 +13,7 @@ import torch
 from lrsr.evaluation.roc import RocCurve
 from lrsr.experiments.report.figures import draw_intervals, draw_roc
 from lrsr.experiments.report.lines import best_methods, method_labels, report_lines
+from lrsr.experiments.table import WRONG_PLACE_IPDS
 from lrsr.pages import encode_face, write_page
 
 
@@ -22,14 +23,15 @@ class Panel:
 
     Attributes:
         title: Names the condition.
-        curves: ROC curves by method label, in the order of the legend; may be empty.
+        curves: ROC curves by the source of the landmarks and by method label, in the order of the
+            legend; may be empty.
         pictures: Columns of the contact sheet in order, e.g. Gallery, Probe, each method,
             Reference; each ``(n, 3, h, w)`` srgb in [0, 1], any size; may be empty.
         people: Names of the n people shown.
     """
 
     title: str
-    curves: Mapping[str, RocCurve] = field(default_factory=dict)
+    curves: Mapping[str, Mapping[str, RocCurve]] = field(default_factory=dict)
     pictures: Mapping[str, torch.Tensor] = field(default_factory=dict)
     people: Sequence[str] = ()
 
@@ -63,8 +65,9 @@ def write_report(
     rivals = {test["against"] for test in results["comparisons"]}
     others = [(name, label) for name, label in method_labels(rows).items() if name in rivals]
     several = len({line["condition"] for line in lines}) > 1
+    measured = [line for line in lines if line["measured"]]
     labels = [
-        f"{line['condition']}, {line['label']}" if several else line["label"] for line in lines
+        f"{line['condition']}, {line['label']}" if several else line["label"] for line in measured
     ]
     return write_page(
         folder,
@@ -77,9 +80,12 @@ def write_report(
         several_options=several,
         level=f"{100 * config['level']:g} %",
         against=[dict(some) for some in (others[:1], others[1:]) if some],  # the first is Base
-        target_fmrs=[f"{point['target_fmr']:g}" for point in rows[0]["fnmr"]],
-        intervals=draw_intervals(labels, lines, "Area under the ROC curve"),
+        target_fmrs=[f"{p['target_fmr']:g}" for p in max((row["fnmr"] for row in rows), key=len)],
+        intervals=(
+            draw_intervals(labels, measured, "Area under the ROC curve") if measured else None
+        ),
         panels=[_panel(panel, config["level"]) for panel in panels],
+        wrong_place_ipds=f"{WRONG_PLACE_IPDS:g}",
         n_tests=len(results["comparisons"]),
         done=done,
         not_done=not_done,
@@ -103,7 +109,11 @@ def _panel(panel: Panel, level: float) -> dict[str, Any]:
     }
     return {
         "title": panel.title,
-        "roc": draw_roc(panel.curves, level) if panel.curves else None,
+        "rocs": [
+            (landmarks, draw_roc(curves, level))
+            for landmarks, curves in panel.curves.items()
+            if curves
+        ],
         "columns": [(label, *np.shape(faces)[-2:]) for label, faces in panel.pictures.items()],
         "people": list(zip(panel.people, zip(*columns.values(), strict=True), strict=False)),
     }

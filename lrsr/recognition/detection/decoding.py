@@ -125,9 +125,7 @@ def _pairs(points: Array) -> Array:
     return points.reshape(*points.shape[:-1], 5, 2)
 
 
-_DECODERS: Mapping[
-    str, Callable[[DetectorContract, Sequence[Array], int, int], Candidates]
-] = {
+_DECODERS: Mapping[str, Callable[[DetectorContract, Sequence[Array], int, int], Candidates]] = {
     "retinaface": _retinaface,
     "scrfd": _scrfd,
     "retinaface_deepface": _retinaface_deepface,

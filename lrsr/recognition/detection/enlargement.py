@@ -1,8 +1,8 @@
 """How is a tiny picture made large enough for a detector to see the face on it?
 
-Detectors were trained on faces of 10 px and more, most of them much larger. On faces of 8 px between
-the eyes the shipped RetinaFace finds nothing; six times larger, it finds all of them. So a picture
-gets a border of its own edge pixels (a black one costs detections) and is enlarged bicubically
+Of 20 rendered faces with 8 px between the eyes the shipped RetinaFace finds 7, and from twice to
+eight times larger all of them, the landmarks 0.09 distances of the eyes off. So a picture gets a
+border of its own edge pixels (a black one costs detections) and is enlarged bicubically
 (:func:`lrsr.images.resize_bicubic`), by a whole factor: a portrait, whose size says how large its
 face is, until its shorter side is long enough; a frame on which faces are known to be small, until
 these are.
@@ -110,7 +110,7 @@ class Return:
     def __call__(self, points_px: NDArray[np.float32]) -> NDArray[np.float32]:
         """Move points ``(..., 2)``, (x, y), of the enlarged picture onto the picture."""
         moved = (points_px + 0.5) / self.factor - 0.5 - np.array([self.left_px, self.top_px])
-        return moved.astype(np.float32)
+        return np.asarray(moved, dtype=np.float32)
 
 
 def _extend(images: torch.Tensor, left: int, right: int, top: int, bottom: int) -> torch.Tensor:

@@ -17,7 +17,7 @@ class Detection:
         box_px: ``(4,)`` left, top, right, bottom, px.
         score: How sure the detector is, [0, 1].
         landmarks_px: ``(5, 2)`` (x, y) of the eye on the left of the picture, the one on its right,
-            nose, left and right corner of the mouth, px; NaN from a detector that finds boxes alone.
+            nose, left and right corner of the mouth, px; NaN where only boxes are found.
     """
 
     box_px: Array
@@ -54,12 +54,12 @@ class Candidates:
             self.scores, self.boxes_px, self.landmarks_px, strict=True
         ):
             sure = np.flatnonzero(scores >= score_threshold)
-            stay = sure[suppress(boxes[sure], scores[sure], nms_iou, inclusive=inclusive)]
+            stay = sure[_suppress(boxes[sure], scores[sure], nms_iou, inclusive=inclusive)]
             found.append([Detection(boxes[k], float(scores[k]), landmarks[k]) for k in stay])
         return found
 
 
-def suppress(
+def _suppress(
     boxes_px: Array, scores: Array, nms_iou: float, *, inclusive: bool = False
 ) -> NDArray[np.intp]:
     """Choose boxes by non-maximum suppression: the surest, then what overlaps none chosen.
@@ -75,7 +75,7 @@ def suppress(
 
     Example:
         >>> boxes = np.array([[0, 0, 10, 10], [0, 0, 10, 9], [20, 0, 30, 10]])
-        >>> suppress(boxes, np.array([0.8, 0.9, 0.7]), 0.4).tolist()
+        >>> _suppress(boxes, np.array([0.8, 0.9, 0.7]), 0.4).tolist()
         [1, 2]
     """
     more = 1.0 if inclusive else 0.0

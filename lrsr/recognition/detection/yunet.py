@@ -1,7 +1,7 @@
 """What does OpenCV's YuNet find? OpenCV prepares, runs and decodes it itself.
 
-Wu et al., *YuNet: a tiny millisecond-level face detector* (2023). Its first eye is that of the person
-on the right, which is on the left of the picture: our order.
+Wu et al., *YuNet: a tiny millisecond-level face detector* (2023). Its first eye is the person's
+right one, on the left of the picture: our order.
 """
 
 from pathlib import Path

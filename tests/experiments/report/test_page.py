@@ -13,7 +13,7 @@ from fakes.measures import fnmr_at_fmr, trace_roc
 
 from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
-from lrsr.experiments.report.lines import _format_p
+from lrsr.experiments.report.lines import _format_p, report_lines
 from lrsr.experiments.report.page import Panel, write_report
 
 METHODS = {"base": "Base", "bicubic4": "Bicubic 4", "srcnn4": "SR 4"}
@@ -24,13 +24,20 @@ def draw(shift: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return rng.normal(shift, 1, 40), rng.normal(0, 1, 1560)
 
 
-def make_row(option: int, method: str, scores: tuple[np.ndarray, np.ndarray]) -> dict[str, Any]:
+def make_row(
+    option: int,
+    method: str,
+    scores: tuple[np.ndarray, np.ndarray],
+    landmarks: str = "shared",
+) -> dict[str, Any]:
     return {
         "recogniser": "shipped",
         "option": option,
         "ipd_px": 8.0,
         "method": method,
         "label": METHODS[method],
+        "landmarks": landmarks,
+        "wrong_place": None if landmarks == "shared" else 0.125,
         **asdict(estimate_auc(*scores)),
         "psnr_y_db": None if method == "base" else 27.125,
         "fta": 0.025,
@@ -48,8 +55,14 @@ def make_results(options: tuple[int, ...] = (1,), **changes: Any) -> dict[str, A
         rows += [make_row(option, method, own) for method, own in scores.items()]
         for method, against in (("srcnn4", "base"), ("bicubic4", "base"), ("srcnn4", "bicubic4")):
             test = asdict(compare_aucs(*scores[method], *scores[against]))
-            place = {"recogniser": "shipped", "option": option, "ipd_px": 8.0}
-            comparisons.append({**place, "method": method, "against": against, **test})
+            names = {
+                "recogniser": "shipped",
+                "option": option,
+                "ipd_px": 8.0,
+                "landmarks": "shared",
+                "method": method,
+            }
+            comparisons.append({**names, "against": against, **test})
     config = {
         "name": "does_it_help",
         "question": "Is SR better than bicubic?",
@@ -76,7 +89,7 @@ def make_panel(option: int) -> Panel:
     faces = torch.from_numpy(np.random.default_rng(0).random((2, 3, 4, 4)).astype(np.float32))
     curves = {METHODS[m]: trace_roc(*own) for m, own in make_scores(option).items()}
     pictures = {"Gallery": faces, "Probe": faces[..., :2, :2]}
-    return Panel(f"Option {option}", curves, pictures, ["test-00000", "test-00001"])
+    return Panel(f"Option {option}", {"shared": curves}, pictures, ["test-00000", "test-00001"])
 
 
 def write(folder: Path, results: dict[str, Any], *panels: Panel) -> Path:
@@ -225,6 +238,62 @@ def test_a_photograph_of_unknown_size_and_unmeasured_quality_has_a_line() -> Non
     text = Page(render_html(make_results(rows=[row], comparisons=[]))).text
     assert f"Option 1: the AUC of Base is {row['auc']:.3f} [" in text
     assert "IPD" not in text
+
+
+def both_sources() -> dict[str, Any]:
+    rows = [
+        make_row(1, method, own, landmarks)
+        for landmarks in ("shared", "own")
+        for method, own in make_scores(1).items()
+    ]
+    of_both = [
+        {**test, "landmarks": landmarks}
+        for landmarks in ("shared", "own")
+        for test in make_results()["comparisons"]
+    ]
+    return make_results(rows=rows, comparisons=of_both)
+
+
+def test_landmarks_of_two_sources_have_a_table_part_a_sentence_and_a_figure_each() -> None:
+    curves = next(iter(make_panel(1).curves.values()))
+    panel = Panel("Option 1", {"shared": curves, "own": curves})
+    text = Page(render_html(both_sources(), panel)).text
+    for landmarks in ("shared", "own"):
+        assert text.count(f"Option 1, IPD 8 px, {landmarks} landmarks") == 3
+        assert f"{landmarks} landmarks: the highest AUC is that of SR 4" in text
+        assert f"ROC curves with {landmarks} landmarks" in text
+    assert "12.5%" in text  # in a wrong place
+
+
+def test_a_line_has_the_tests_of_its_own_landmarks() -> None:
+    results = both_sources()
+    for test in results["comparisons"]:
+        test["difference"] = 0.111 if test["landmarks"] == "own" else -0.222
+    lines = report_lines(results["rows"], results["comparisons"])
+    for line in lines:
+        wanted = "+0.111" if line["landmarks"] == "own" else "−0.222"
+        assert all(test["difference"] == wanted for test in line["tests"].values())
+
+
+def test_a_method_by_which_too_few_faces_are_found_has_a_line_without_numbers() -> None:
+    unmeasured = dict.fromkeys(
+        ("auc", "std", "low", "high", "logit_low", "logit_high", "subject_low", "subject_high")
+    )
+    unmeasured |= dict.fromkeys(("eer", "d_prime", "rank_1"))
+    first, second, third = make_results()["rows"]
+    rows = [first | unmeasured | {"fnmr": [], "fta": 1.0}, second, third]
+    text = Page(render_html(make_results(rows=rows, comparisons=[]))).text
+    assert "too few faces" in text
+    assert "100.0%" in text
+    assert "the highest AUC is that of" in text
+
+
+def test_where_no_face_is_found_at_all_a_report_says_so() -> None:
+    (row, *_) = make_results()["rows"]
+    unmeasured = {name: None for name in row if isinstance(row[name], float) and name != "fta"}
+    nothing = row | unmeasured | {"fnmr": [], "ipd_px": 8.0, "logit_low": None, "logit_high": None}
+    text = Page(render_html(make_results(rows=[nothing], comparisons=[]))).text
+    assert "Option 1, IPD 8 px: too few faces were found to measure anything." in text
 
 
 def test_text_is_escaped() -> None:

@@ -114,7 +114,9 @@ def test_offsets_are_in_units_of_the_square() -> None:
     lists = retinaface_lists(1)
     lists[1][0, 0] = [1, 0, np.log(2) / 0.2, 0]  # a tenth of 16 px to the right, twice as wide
     found = decode(contract(), lists, 8, 8)
-    np.testing.assert_allclose(found.boxes_px[0, 0], [4 + 1.6 - 16, -4, 4 + 1.6 + 16, 12], rtol=1e-6)
+    np.testing.assert_allclose(
+        found.boxes_px[0, 0], [4 + 1.6 - 16, -4, 4 + 1.6 + 16, 12], rtol=1e-6
+    )
 
 
 def test_outputs_that_do_not_fit_the_anchors_are_refused() -> None:

@@ -42,6 +42,21 @@ def test_a_picture_among_others_is_found_as_if_alone(
     np.testing.assert_allclose(mirrored, first[0].landmarks_px[:, 0], atol=0.6)
 
 
+def test_small_faces_on_a_frame_are_found_where_their_size_is_known(
+    detector: Detector, tiny: torch.Tensor
+) -> None:
+    places = [(20, 30), (100, 180), (60, 250)]
+    x = torch.linspace(0.2, 0.7, 320).expand(1, 3, 200, 320).clone()
+    for top, left in places:
+        x[..., top : top + 32, left : left + 32] = tiny
+    (unenlarged,), (faces,) = detector(x, ipd_px=48), detector(x, ipd_px=8)
+    assert sum(face.score for face in unenlarged) < sum(face.score for face in faces)
+    middles = [(face.box_px[:2] + face.box_px[2:]) / 2 for face in faces]
+    for top, left in places:
+        assert any(np.hypot(*(middle - [left + 16, top + 16])) < 4 for middle in middles)
+    assert len(faces) == 3
+
+
 def test_the_threshold_of_the_user_comes_before_the_contracts(tiny: torch.Tensor) -> None:
     assert Detector(score_threshold=1.0)(tiny) == [[]]
 

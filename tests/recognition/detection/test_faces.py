@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from lrsr.recognition.detection.faces import Candidates, Detection, best_face, suppress
+from lrsr.recognition.detection.faces import Candidates, Detection, _suppress, best_face
 
 
 def boxes(count: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -16,29 +16,31 @@ def test_suppression_is_that_of_opencv(iou: float) -> None:
     corners, scores = boxes(60)
     sides = np.hstack([corners[:, :2], corners[:, 2:] - corners[:, :2]])
     oracle = cv2.dnn.NMSBoxes(sides.tolist(), scores.tolist(), 0.0, iou)
-    assert suppress(corners, scores, iou).tolist() == np.ravel(oracle).tolist()
+    assert _suppress(corners, scores, iou).tolist() == np.ravel(oracle).tolist()
 
 
 def test_what_is_kept_overlaps_nothing_that_is_kept() -> None:
     corners, scores = boxes(60)
-    first = suppress(corners, scores, 0.3)
-    assert suppress(corners[first], scores[first], 0.3).tolist() == list(range(len(first)))
+    first = _suppress(corners, scores, 0.3)
+    assert _suppress(corners[first], scores[first], 0.3).tolist() == list(range(len(first)))
 
 
 def test_boxes_that_name_pixels_are_a_pixel_wider() -> None:
     two = np.array([[0.0, 0, 9, 9], [5, 0, 14, 9]])  # overlap 5 of 15 columns, or 4 of 14
     scores = np.array([0.9, 0.8])
-    assert len(suppress(two, scores, 0.3)) == 2
-    assert len(suppress(two, scores, 0.3, inclusive=True)) == 1
+    assert len(_suppress(two, scores, 0.3)) == 2
+    assert len(_suppress(two, scores, 0.3, inclusive=True)) == 1
 
 
 def test_nothing_to_suppress_is_no_error() -> None:
-    assert suppress(np.empty((0, 4)), np.empty(0), 0.4).shape == (0,)
+    assert _suppress(np.empty((0, 4)), np.empty(0), 0.4).shape == (0,)
 
 
 def test_the_least_score_is_a_face() -> None:
     candidates = Candidates(
-        np.array([[0.5, 0.4999]]), np.array([[[0, 0, 9, 9], [50, 0, 59, 9]]]), np.zeros((1, 2, 5, 2))
+        np.array([[0.5, 0.4999]]),
+        np.array([[[0, 0, 9, 9], [50, 0, 59, 9]]]),
+        np.zeros((1, 2, 5, 2)),
     )
     ((face,),) = candidates.kept(0.5, 0.4, inclusive=False)
     assert face.score == 0.5

@@ -1,0 +1,96 @@
+"""What does one method make of pictures? Enlarged, found, embedded, and held against the truth."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from lrsr.evaluation.quality import psnr_y
+from lrsr.images import scale_points
+from lrsr.pictures.picture import Picture, stack
+from lrsr.recognition.alignment import landmark_errors
+from lrsr.recognition.recognisers import Recogniser
+from lrsr.recognition.settings import Landmarks
+from lrsr.sr.upscaler import Upscaler
+
+_Floats = NDArray[np.floating[Any]]
+
+
+class Seen:
+    """What one method has made of the pictures so far, in their order.
+
+    Args:
+        landmarks: Of which sources.
+
+    Attributes:
+        decibels: PSNR of each against its true reference, where there are references.
+    """
+
+    def __init__(self, landmarks: Sequence[Landmarks]) -> None:
+        self._embeddings: dict[Landmarks, list[_Floats]] = {one: [] for one in landmarks}
+        self._errors: list[_Floats] = []
+        self.decibels: list[float] = []
+
+    def joined(self, landmarks: Landmarks) -> NDArray[np.float64]:
+        """Return the embeddings of all, ``(n, D)``, with landmarks of one source."""
+        return np.concatenate(self._embeddings[landmarks], dtype=np.float64)
+
+    @property
+    def errors(self) -> _Floats:
+        """Of the landmarks found, in distances of the true eyes, ``(n,)``.
+
+        NaN where no face was looked for or found, or the true landmarks are not known.
+        """
+        return np.concatenate(self._errors)
+
+    def look(
+        self,
+        engine: Recogniser,
+        pictures: Sequence[Picture],
+        upscaler: Upscaler,
+        true: Sequence[Picture] | None = None,
+    ) -> None:
+        """Look at further pictures.
+
+        Args:
+            engine: Finds and embeds; a batch for each size of picture.
+            pictures: Of any sizes.
+            upscaler: The method.
+            true: Their true references, as many, if there are any.
+        """
+        alike: dict[object, list[int]] = {}
+        for number, picture in enumerate(pictures):
+            alike.setdefault(picture.image.shape, []).append(number)
+        order = np.argsort(np.concatenate([*alike.values()]))
+        parts: dict[Landmarks, list[_Floats]] = {one: [] for one in self._embeddings}
+        errors: list[_Floats] = []
+        decibels = np.empty(0 if true is None else len(true))
+        for members in alike.values():
+            images, known = stack([pictures[i] for i in members])
+            enlarged, points = upscaler(images), scale_points(known, upscaler.scale).numpy()
+            errors.append(self._embed(engine, enlarged, points, parts))
+            if true is not None:
+                references = stack([true[i] for i in members])[0].numpy()
+                decibels[members] = psnr_y(enlarged.numpy(), references, shave=upscaler.scale)
+        for landmarks, rows in parts.items():
+            self._embeddings[landmarks].append(np.concatenate(rows)[order])
+        self._errors.append(np.concatenate(errors)[order])
+        self.decibels += decibels.tolist()
+
+    @staticmethod
+    def _embed(
+        engine: Recogniser,
+        images: torch.Tensor,
+        points: NDArray[np.float32],
+        parts: dict[Landmarks, list[_Floats]],
+    ) -> _Floats:
+        """Add embeddings of one batch; return the errors of the landmarks found."""
+        if "shared" in parts:
+            parts["shared"].append(engine.embed(images, points))
+        if "own" not in parts:
+            return np.full(len(images), np.nan)
+        faces = engine.find(images)
+        parts["own"].append(engine.embed(images, faces.landmarks_px, faces.boxes_px))
+        return landmark_errors(faces.landmarks_px, points)

@@ -1,0 +1,129 @@
+"""How does a command recognise? By the section ``recognition`` of its configuration."""
+
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, Self, cast, get_args
+
+from lrsr.configuration import as_mapping, as_number, as_word, require, words
+from lrsr.onnx import DEVICES
+from lrsr.paths import path_if_any
+from lrsr.recognition.alignment import TEMPLATES, Template
+from lrsr.recognition.detection.detector import Detector
+from lrsr.recognition.detection.enlargement import Enlargement
+from lrsr.recognition.engine import FALLBACKS, Engine, Fallback
+from lrsr.recognition.memory import Memory
+from lrsr.recognition.recognisers import Recogniser, find_recognisers, load_recognisers
+from lrsr.recognition.registry import model_file
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+Landmarks = Literal["shared", "own"]
+"""The true ones, scaled, for all methods; or a detector's on each method's own picture."""
+
+_LANDMARKS: tuple[Landmarks, ...] = get_args(Landmarks)
+
+
+@dataclass(frozen=True)
+class RecognitionSettings:
+    """How faces are found, aligned and embedded.
+
+    Attributes:
+        model: ONNX embedder with its contract beside it; None: the one that ships.
+        landmarks: Of which sources, at least one.
+        detector: ONNX detector with its contract beside it; None: the one that ships.
+        enlargement: How small pictures are enlarged for it.
+        score_threshold: Least score of a face; None: the detector's contract says.
+        alignment: None: the embedder's contract says.
+        fallback: What stands for a face that is not found.
+        recognisers: Names; see :func:`lrsr.recognition.recognisers.find_recognisers`.
+        device: Where ONNX files run; see :func:`lrsr.onnx.providers_on`.
+    """
+
+    model: Path | None = None
+    landmarks: tuple[Landmarks, ...] = ("shared",)
+    detector: Path | None = None
+    enlargement: Enlargement = field(default_factory=Enlargement)
+    score_threshold: float | None = None
+    alignment: Template | None = None
+    fallback: Fallback = "none"
+    recognisers: tuple[str, ...] = ("shipped",)
+    device: str = "auto"
+
+    @classmethod
+    def from_config(cls, config: "DictConfig") -> Self:
+        """Read the section.
+
+        Raises:
+            InputError: A value is wrong; the message names the setting and the remedy.
+        """
+        given = config.recognition
+        landmarks = as_word(given.landmarks, "recognition.landmarks")
+        _choose("landmarks", landmarks, (*_LANDMARKS, "both"))
+        threshold, alignment = given.score_threshold, given.alignment
+        if alignment is not None:
+            _choose("alignment", alignment, TEMPLATES)
+        _choose("fallback", given.fallback, FALLBACKS)
+        rule = as_mapping(given.enlargement, "recognition.enlargement")
+        for name in rule:
+            _choose("enlargement", name, tuple(vars(Enlargement())))
+        model = path_if_any(given.model, "recognition.model")
+        recognisers = tuple(words(given, "recognisers"))
+        find_recognisers(recognisers, model)
+        device = as_word(given.device, "recognition.device")
+        _choose("device", device, DEVICES)
+        detector = given.detector
+        return cls(
+            model=model,
+            landmarks=_LANDMARKS if landmarks == "both" else (cast("Landmarks", landmarks),),
+            detector=(
+                None
+                if detector is None
+                else model_file(as_word(detector, "recognition.detector"), "detector")
+            ),
+            enlargement=Enlargement(**rule),
+            score_threshold=(
+                None if threshold is None else as_number(threshold, "recognition.score_threshold")
+            ),
+            alignment=alignment,
+            fallback=given.fallback,
+            recognisers=recognisers,
+            device=device,
+        )
+
+    def engines(self, memory: Memory | None = None) -> dict[str, Recogniser]:
+        """Load what recognises, by what a report calls it.
+
+        Args:
+            memory: Where detections and embeddings are kept; default: nowhere.
+
+        Raises:
+            InputError: A model is missing or broken.
+        """
+        detector = None
+        if "own" in self.landmarks:
+            detector = Detector(
+                self.detector,
+                enlargement=self.enlargement,
+                score_threshold=self.score_threshold,
+                device=self.device,
+            )
+        load = partial(
+            Engine,
+            detector=detector,
+            template=self.alignment,
+            fallback=self.fallback,
+            memory=memory,
+            device=self.device,
+        )
+        return load_recognisers(find_recognisers(self.recognisers, self.model), load)
+
+
+def _choose(name: str, value: object, options: tuple[str, ...]) -> None:
+    """Refuse what is not among the options.
+
+    Raises:
+        InputError: It is not.
+    """
+    require(value in options, f"recognition.{name}", value, f"one of {', '.join(options)}")
