@@ -91,7 +91,7 @@ class UniquenessSettings:
         require(known, "recognition.landmarks", config.recognition.landmarks, "shared")
         alone = recognition == RecognitionSettings(recognition.model, device=recognition.device)
         told = (
-            "model and device alone, nothing else of it is read; recognisers are named by encoder="
+            "recognition.model and .device alone: nothing else is read; encoder= says who compares"
         )
         require(alone, "recognition", "...", told)
         encoder = resolve_encoder(str(config.encoder))

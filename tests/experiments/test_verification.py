@@ -73,7 +73,7 @@ def test_several_recognisers_have_a_table_each(tmp_path: Path, tone_model: Path)
     assert results["recognition"]["recognisers"]["tones"]["model"] == "tones.onnx"
     told = [test["recogniser"] for test in results["comparisons"]]
     assert told == ["shipped"] * 6 + ["tones"] * 6
-    assert results["rows"][0]["auc"] != results["rows"][6]["auc"]
+    assert results["rows"][0]["d_prime"] != results["rows"][6]["d_prime"]
     page = (folder / "report.html").read_text()
     for name in ("shipped", "tones"):
         assert page.count(f"<h3>Recogniser: {name}</h3>") == 2
