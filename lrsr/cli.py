@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, Never, TextIO, cast
 from lrsr import __version__
 from lrsr.errors import InputError
 from lrsr.failures import explain
-from lrsr.overrides import Overrides, pieces_of
+from lrsr.overrides import Overrides, pieces_of, quoted_word
 from lrsr.paths import config_folder, prepare_home, user_path
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ _COMMANDS = {
     "score": "anybody's scores in files: the same tables, likelihood ratios, pages",
     "identities": "contact sheet, who they are, uniqueness check; export=DIR: meshes",
     "fit-camera": "a camera preset from real pictures in images=DIR",
+    "models": "list, pull NAME, add FILE, verify, remove NAME: networks of other people",
 }
 """What each does; ``lrsr.tasks.run_COMMAND`` does it."""
 
@@ -64,6 +65,8 @@ examples:
   lrsr identities export=meshes identities.count=3 pose=left
   lrsr fit-camera images=probes name=lobby
   lrsr render camera=runs/fit-camera/.../lobby.yaml out=probes
+  lrsr models add theirs.onnx contract=insightface
+  lrsr eval recognition=[shipped,dlib,theirs]
 
 lrsr COMMAND --help lists what can be overridden; lrsr COMMAND --cfg job prints the configuration.
 Values need no quotes but the shell's: out='my probes (1)'. With --multirun a comma parts values.
@@ -115,7 +118,16 @@ def _run_or_help(words: list[str]) -> None:
         sys.stdout.write(_USAGE)
     else:
         logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(name)s: %(message)s")
-        _run(words[0], words[1:])
+        rest = words[1:] if words[0] != "models" else _with_action(words[1:])
+        _run(words[0], rest)
+
+
+def _with_action(words: list[str]) -> list[str]:
+    """Let ``pull NAME`` mean ``action=pull names=[NAME]``."""
+    plain = [word for word in words if "=" not in word and not word.startswith("-")]
+    quoted = ",".join(quoted_word(word) for word in plain[1:])
+    given = [f"action={plain[0]}", f"names=[{quoted}]"] if plain else []
+    return [*given, *(word for word in words if word not in plain)]
 
 
 def _run(name: str, words: list[str]) -> None:

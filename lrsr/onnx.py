@@ -6,10 +6,12 @@ range, ...) is taken from the contract and from nowhere else. This is the home o
 
 import hashlib
 import importlib
+import json
 import logging
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
@@ -21,6 +23,13 @@ from numpy.typing import NDArray
 from lrsr.errors import InputError
 
 _CPU = ("CPUExecutionProvider",)
+_GPUS = ("CUDAExecutionProvider", "ROCMExecutionProvider", "CoreMLExecutionProvider")
+
+#: What each channel is given: one number for all, or one for each.
+PerChannel = float | tuple[float, float, float]
+
+DEVICES = ("auto", "cpu", "cuda")
+"""Where networks run; see :func:`providers_on`."""
 
 #: None: any size.
 _Shape = tuple[int | None, ...]
@@ -34,11 +43,19 @@ logger = logging.getLogger(__name__)
 
 
 def providers_on(device: str) -> tuple[str, ...]:
-    """Return who computes: CUDA where it is asked for ("cuda") and there, else the CPU."""
-    if not device.startswith("cuda"):
+    """Return who computes.
+
+    Args:
+        device: "cpu"; "cuda", where onnxruntime has it, else the CPU with a warning; or "auto", any
+            GPU that onnxruntime has, else the CPU.
+    """
+    if device == "cpu":
         return _CPU
-    if "CUDAExecutionProvider" in importlib.import_module("onnxruntime").get_available_providers():
-        return ("CUDAExecutionProvider", *_CPU)
+    there = importlib.import_module("onnxruntime").get_available_providers()
+    wanted = _GPUS if device == "auto" else _GPUS[:1]
+    found = tuple(name for name in wanted if name in there)
+    if found or device == "auto":
+        return (*found, *_CPU)
     logger.warning(
         "device=%s: this onnxruntime has no CUDA, so its networks run on the CPU", device
     )
@@ -72,15 +89,16 @@ def open_session(model: Path, providers: Sequence[str] = _CPU) -> Any:
 
 
 def run_session(
-    session: Any, model: Path, inputs: NDArray[np.float32], *, batch_size: int
+    session: Any, model: Path, inputs: NDArray[np.float32], *, batch_size: int, output: str = ""
 ) -> NDArray[np.float32]:
-    """Run a model of one input and one output over a batch, part by part.
+    """Run a model of one input over a batch, part by part.
 
     Args:
         session: Of :func:`open_session`.
         model: Its file, for messages.
         inputs: ``(B, ...)``, B > 0.
         batch_size: Of a part; a graph with a fixed batch overrules it, and is filled up.
+        output: Which one, where the graph has several; "": the first.
 
     Returns:
         ``(B, ...)`` float32.
@@ -88,7 +106,8 @@ def run_session(
     Raises:
         InputError: The model cannot take such inputs.
     """
-    parts = [outputs[0] for _, outputs in _run_parts(session, model, inputs, batch_size, None)]
+    names = [output] if output else None
+    parts = [outputs[0] for _, outputs in _run_parts(session, model, inputs, batch_size, names)]
     return np.concatenate(parts)[: len(inputs)].astype(np.float32, copy=False)
 
 
@@ -158,7 +177,13 @@ def _run_parts(
 
 
 def check_graph(
-    session: Any, model: Path, what: str, takes: _Shape, returns: _Shape, words: tuple[str, str]
+    session: Any,
+    model: Path,
+    what: str,
+    takes: _Shape,
+    returns: _Shape,
+    words: tuple[str, str],
+    output: str = "",
 ) -> None:
     """Hold a graph against its contract.
 
@@ -169,11 +194,17 @@ def check_graph(
         takes: Shape of the input, None where any size will do.
         returns: The same of the output.
         words: The contract's, for both.
+        output: Which one is meant, where there are several; "": the only one.
 
     Raises:
         InputError: They disagree, or there is not one input and one output of floats.
     """
     inputs, outputs = session.get_inputs(), session.get_outputs()
+    if output:
+        names = [end.name for end in outputs]
+        if output not in names:
+            raise InputError(f"{model}: has no output {output!r}; it has {', '.join(names)}")
+        outputs = [outputs[names.index(output)]]
     if len(inputs) != 1 or len(outputs) != 1:
         raise InputError(
             f"{model}: has {len(inputs)} inputs and {len(outputs)} outputs; {what} has one of each"
@@ -185,6 +216,26 @@ def check_graph(
                 f"{model}: {verb} {end.type} {end.shape}, its contract says {said};"
                 " mend the contract or give the model it was written for"
             )
+
+
+def declared_text(document: Mapping[str, Any]) -> str:
+    """Return a contract as TOML: plain values first, then its tables of plain values and lists.
+
+    Example:
+        >>> print(declared_text({"input": {"mean": [104, 117, 123]}, "licence": "MIT"}), end="")
+        licence = "MIT"
+        <BLANKLINE>
+        [input]
+        mean = [104, 117, 123]
+    """
+    tables = {name: part for name, part in document.items() if isinstance(part, Mapping)}
+    lines = []
+    for table, part in {"": document, **tables}.items():
+        lines += ["", f"[{table}]"] if table else []
+        plain = {name: value for name, value in part.items() if not isinstance(value, Mapping)}
+        # JSON is TOML, for such values
+        lines += [f"{name} = {json.dumps(v, ensure_ascii=False)}" for name, v in plain.items()]
+    return "\n".join(lines) + "\n"
 
 
 def contract_path(model: Path) -> Path:
@@ -272,6 +323,13 @@ def _typed(value: Any, kind: Any) -> Any:
     Raises:
         TypeError: It is another; the message says which is wanted.
     """
+    if kind == PerChannel:
+        with suppress(TypeError):
+            if not isinstance(value, list):
+                return _typed(value, float)
+            if len(value) == 3:
+                return tuple(_typed(each, float) for each in value)
+        raise TypeError("a number, or three")
     if get_origin(kind) is tuple:
         inner = get_args(kind)[0]
         if not isinstance(value, list):

@@ -34,6 +34,8 @@ _PATHS = {
     "map",
     "weights",
     "root",
+    "contract",
+    "mirror",
 }
 _QUOTED = r'"(?:[^"\\]|\\.)*"|' + r"'(?:[^'\\]|\\.)*'"
 _WORD = re.compile(r"(~|\+{0,2})([^=@]*)(@[^=]*)?(?:=(.*))?", re.DOTALL)
@@ -95,10 +97,20 @@ class Overrides:
         value = value or ""
         if sign != "~" and not value.strip():
             raise InputError(f"{key}=: give a value, or null for none")
+        if key == "recognition" and sign != "~" and self._options(key):
+            key, value = self._recognisers(value)
         # lrsr train sr=NAME and recognition=NAME mean train=NAME.
         if self.command == "train" and key in {"sr", "recognition"} and self._options("train"):
             key = "train"
         return _Word(sign, key, package or "", value)
+
+    def _recognisers(self, value: str) -> tuple[str, str]:
+        """Let ``recognition=`` name recognisers where it names no option of the group."""
+        names = re.findall(rf"{_QUOTED}|[^\[\],]+", value)
+        if self.command == "train" or {*names} <= self._options("recognition"):
+            return "recognition", value
+        quoted = ",".join(quoted_word(name.strip()) for name in names)
+        return "recognition.recognisers", f"[{quoted}]" if value.startswith("[") else quoted
 
     def _options(self, group: str) -> set[str]:
         if not re.fullmatch(r"[\w/-]+", group):
@@ -134,7 +146,7 @@ class Overrides:
         from hydra.errors import HydraException
         from omegaconf import OmegaConf
 
-        search = ",".join(_quoted(f"file://{folder}") for folder in self.folders[1:])
+        search = ",".join(quoted_word(f"file://{folder}") for folder in self.folders[1:])
         firsts = [re.sub(r"=([^,\[]+),.*", r"=\1", word) for word in words if "(" not in word]
         try:
             with initialize_config_dir(str(self.folders[0]), version_base="1.3"):
@@ -225,16 +237,17 @@ def _readable(word: _Word, sweep: bool) -> str:
         if not is_path and text.lstrip().startswith(("[", "{")):
             reason = str(error).splitlines()[0]
             raise InputError(f"{word}: {reason}; write {word.key}='\"...\"'") from error
-        text = text if is_path else _quoted(text)
+        text = text if is_path else quoted_word(text)
     if is_path and kind not in {"CHOICE_SWEEP", "RANGE_SWEEP"}:
         pieces = pieces_of(text, sweep)
-        return ",".join(piece if piece == "null" else _quoted(piece) for piece in pieces)
+        return ",".join(piece if piece == "null" else quoted_word(piece) for piece in pieces)
     if "SWEEP" in kind and not sweep:
         raise InputError(f"{word}: write [...] for a list, or add -m to run one after the other")
     return text
 
 
-def _quoted(text: str) -> str:
+def quoted_word(text: str) -> str:
+    """Return a word as Hydra reads it, whatever is in it; one that is quoted stays as it is."""
     from hydra.core.override_parser.types import Quote, QuotedString
 
     if re.fullmatch(_QUOTED, text, re.DOTALL):

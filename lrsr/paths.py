@@ -66,16 +66,29 @@ def cache_folder() -> Path:
     Raises:
         InputError: ``$LRSR_CACHE`` is in a home folder that does not exist.
     """
-    if (given := os.environ.get("LRSR_CACHE", "")).strip():
+    return _own_folder("LRSR_CACHE", "XDG_CACHE_HOME", "~/.cache")
+
+
+def models_folder() -> Path:
+    """Return the folder of other people's networks: ``$LRSR_MODELS``, else among the user's data.
+
+    Raises:
+        InputError: See :func:`cache_folder`.
+    """
+    return _own_folder("LRSR_MODELS", "XDG_DATA_HOME", "~/.local/share", "models")
+
+
+def _own_folder(variable: str, above: str, otherwise: str, below: str = "") -> Path:
+    if (given := os.environ.get(variable, "")).strip():
         return user_path(given)
-    base = os.environ.get("XDG_CACHE_HOME", "")
+    base = os.environ.get(above, "")
     if not Path(base).is_absolute():  # as its specification wants it
-        base = "~/.cache"
+        base = otherwise
     try:
-        folder = Path(base).expanduser() / "lrsr"
+        folder = Path(base).expanduser() / "lrsr" / below
     except RuntimeError:  # neither HOME nor an entry among the users
-        return _scratch_folder()
-    return folder if _exists_or_can(folder) else _scratch_folder()
+        return _scratch_folder() / below
+    return folder if _exists_or_can(folder) else _scratch_folder() / below
 
 
 def _scratch_folder() -> Path:

@@ -23,6 +23,7 @@ _RECORDED = (
     "numpy",
     "onnxruntime",
     "opencv-contrib-python-headless",
+    "scikit-image",
     "scikit-learn",
     "scipy",
     "torch",

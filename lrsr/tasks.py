@@ -4,7 +4,8 @@ Every task returns the folder that holds its result; the command line prints it 
 """
 
 import logging
-from collections.abc import Collection
+import sys
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,14 +13,16 @@ from lrsr.configuration import (
     as_word,
     flag,
     number,
+    require,
     run_folder,
     seed_of,
     whole_number,
     whole_numbers,
+    words,
 )
 from lrsr.errors import InputError
 from lrsr.files import make_folder
-from lrsr.paths import cache_folder, path_if_any, user_path
+from lrsr.paths import cache_folder, models_folder, path_if_any, user_path
 from lrsr.presets import build
 from lrsr.provenance import write_provenance
 
@@ -183,6 +186,41 @@ def run_render(config: "DictConfig") -> Path:
     folder = render_to_folder(settings, _cache(config)).parent
     write_provenance(folder, config)
     return folder
+
+
+def run_models(config: "DictConfig") -> Path:
+    """Say which networks of other people are here and could be, and bring, check or remove them.
+
+    Raises:
+        InputError: There is no such action or model, or it cannot be had or used.
+    """
+    from lrsr.recognition.store import CONSENTS, Wish, add, pull, remove, table, verify
+
+    names, accept = words(config, "names"), words(config, "accept")
+    for word in accept:
+        require(word in CONSENTS, "accept", word, f"one of {', '.join(CONSENTS)}")
+    told = {
+        key: "" if config[key] is None else as_word(config[key], key)
+        for key in ("sha256", "contract", "name", "licence", "source")
+    }
+    mirror = config.models.mirror
+    mirror = "" if mirror is None else as_word(mirror, "models.mirror")
+    wish = Wish(accept, told.pop("sha256"), mirror)
+    does: dict[str, Callable[[], list[str]]] = {
+        "list": table,
+        "verify": lambda: verify(names),
+        "pull": lambda: [line for name in names for line in pull(name, wish)],
+        "add": lambda: [add(user_path(name), **told) for name in names],
+        "remove": lambda: [line for name in names for line in remove(name)],
+    }
+    action = as_word(config.action, "action")
+    require(action in does, "action", action, f"one of {', '.join(does)}")
+    needed = action in ("pull", "add", "remove")
+    require(bool(names) or not needed, "names", [], f"lrsr models {action} NAME")
+    require(action != "list" or not names, "names", names, "none: lrsr models list")
+    for line in does[action]():
+        sys.stdout.write(f"{line}\n")
+    return models_folder()
 
 
 def run_fit_camera(config: "DictConfig") -> Path:

@@ -42,6 +42,8 @@ HOMES = {
     "lightning": {"training"},
     "anny": {"identities"},
     "dlib": {"recognition"},
+    "skimage": {"recognition"},
+    "requests": {"download.py"},
     "trimesh": {"pictures"},
 }
 

@@ -143,9 +143,12 @@ def test_the_cpu_computes_unless_cuda_is_asked_for_and_there(
 ) -> None:
     monkeypatch.setattr(onnxruntime, "get_available_providers", lambda: ["CUDAExecutionProvider"])
     assert providers_on("cpu") == (CPU,)
-    assert providers_on("cuda") == ("CUDAExecutionProvider", CPU)
+    for device in ("cuda", "auto"):
+        assert providers_on(device) == ("CUDAExecutionProvider", CPU)
     assert not caplog.messages
     monkeypatch.setattr(onnxruntime, "get_available_providers", lambda: [CPU])
+    assert providers_on("auto") == (CPU,)
+    assert not caplog.messages
     assert providers_on("cuda:0") == (CPU,)
     assert "no CUDA" in caplog.text
 

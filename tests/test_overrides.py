@@ -186,3 +186,22 @@ def test_a_target_says_its_fields() -> None:
 def test_a_target_that_is_not_there_is_the_users() -> None:
     with pytest.raises(InputError, match=r"_target_=lrsr\.none"):
         fields_of("lrsr.none")
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("recognition=embedder", "recognition=embedder"),
+        ("recognition=dlib", '++recognition.recognisers="dlib"'),
+        ("recognition=[shipped,dlib]", '++recognition.recognisers=["shipped","dlib"]'),
+        ("recognition=[shipped, a b.onnx]", '++recognition.recognisers=["shipped","a b.onnx"]'),
+        ("recognition.model=a,b.onnx", '++recognition.model="a,b.onnx"'),
+    ],
+)
+def test_recognition_names_recognisers_or_an_option(typed: str, meant: str) -> None:
+    assert mended(typed, command="eval") == [meant]
+
+
+def test_recognisers_can_be_swept_over() -> None:
+    swept = mended("recognition=shipped,dlib", command="eval", sweep=True)
+    assert swept == ['++recognition.recognisers="shipped","dlib"']

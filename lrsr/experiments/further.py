@@ -30,7 +30,7 @@ _ENDS = ("", "_low", "_high")
 logger = logging.getLogger(__name__)
 
 
-NAMES = ("option", "ipd_px", "method", "label", "landmarks")
+NAMES = ("option", "ipd_px", "method", "label", "landmarks", "recogniser")
 """What names a method under a condition in every record."""
 
 

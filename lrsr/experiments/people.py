@@ -33,7 +33,7 @@ from lrsr.pictures.picture import Picture
 from lrsr.pictures.source import chunks
 from lrsr.pictures.to_folder import Shoot
 from lrsr.provenance import versions
-from lrsr.recognition.encoders import load_encoder
+from lrsr.recognition.recognisers import load_encoder
 
 _SHEET = 60
 """People on the contact sheet at most: the first ones, not chosen."""
@@ -83,7 +83,7 @@ class Uniqueness(UniquenessSettings):
             InputError: A file or a folder is wrong, or an encoder is missing.
         """
         maker = maker or MitsubaMaker()
-        encoder = load_encoder(self.encoder, self.model)
+        encoder = load_encoder(self.encoder, self.model, device=self.device)
         gallery = Gallery(self, cache, encoder, maker, progress=progress)
         findings = find_distinct(self, gallery)
         roster = make_roster(self, findings, maker.versions["identities"])

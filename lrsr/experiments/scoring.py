@@ -171,6 +171,9 @@ class Scoring:
         names = {key: name for key, (name, _) in members.items()}
         systems = {key: system for key, (_, system) in members.items()}
         evaluation = _summarise(systems, self.asked)
+        # Several recognisers are told apart by the method, and tested against each other.
+        recognisers = {name.recogniser for name in names.values()}
+        recogniser = recognisers.pop() or None if len(recognisers) == 1 else None
         rows = []
         for key, summary in evaluation.summaries.items():
             name = names[key]
@@ -182,13 +185,15 @@ class Scoring:
                     "method": key,
                     "label": key,
                     "landmarks": name.landmarks or None,
-                    "recogniser": name.recogniser or None,
+                    "recogniser": recogniser,
                     **area_record(summary.area),
                     "psnr_y_db": None,
                     **rates_record(summary),
                 }
             )
-        condition = {name: rows[0][name] for name in ("option", "ipd_px", "landmarks")}
+        condition = {
+            name: rows[0][name] for name in ("recogniser", "option", "ipd_px", "landmarks")
+        }
         tests = [
             {**condition, "method": a, "against": b, **comparison_record(test)}
             for (a, b), test in evaluation.comparisons.items()
@@ -197,7 +202,9 @@ class Scoring:
         further = look_further(self.asked, about, systems, evaluation.summaries, people)
         curves = {row["label"]: evaluation.summaries[row["method"]].curve for row in rows}
         source = str(rows[0]["landmarks"] or "")
-        panel = Panel(condition_of(rows[0], True), {source: curves}, figures=further.figures)
+        panel = Panel(
+            condition_of(rows[0], {"landmarks"}), {source: curves}, figures=further.figures
+        )
         return rows, tests, further, panel
 
     def _done(self, rows: list[Record]) -> list[str]:
@@ -291,4 +298,4 @@ def _same_pairs(one: System, other: System) -> bool:
 
 def _line(row: Record) -> str:
     interval = f"[{row['low']:.4f}, {row['high']:.4f}]"
-    return f"{condition_of(row, True)}  {row['label']}  AUC {row['auc']:.4f} {interval}"
+    return f"{condition_of(row, {'landmarks'})}  {row['label']}  AUC {row['auc']:.4f} {interval}"

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from lrsr.evaluation.quality import psnr_y
 from lrsr.images import scale_points
 from lrsr.pictures.picture import Picture, stack
-from lrsr.recognition import Engine
 from lrsr.recognition.alignment import landmark_errors
 from lrsr.recognition.finder import Finder
+from lrsr.recognition.recognisers import Recogniser
 from lrsr.recognition.settings import Landmarks
 from lrsr.sr.upscaler import Upscaler
 
@@ -56,7 +56,7 @@ class Seen:
 
     def look(
         self,
-        engine: Engine,
+        engine: Recogniser,
         pictures: Sequence[Picture],
         upscaler: Upscaler,
         true: Sequence[Picture] | None = None,
@@ -92,7 +92,7 @@ class Seen:
 
     def _embed(
         self,
-        engine: Engine,
+        engine: Recogniser,
         images: torch.Tensor,
         points: NDArray[np.float32],
         parts: dict[Landmarks, list[_Floats]],

@@ -11,7 +11,6 @@ from lrsr.errors import InputError
 from lrsr.evaluation.roc import RocCurve
 from lrsr.evaluation.score_files.system import Name, System
 from lrsr.evaluation.score_files.writing import ScoreFile
-from lrsr.evaluation.scores import CosineScores
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.further import NAMES, Further, look_further
 from lrsr.experiments.labels import Labels, labels_of, labels_of_entry
@@ -32,8 +31,8 @@ from lrsr.pictures.source import (
     references_of,
     render_sources,
 )
-from lrsr.recognition import Engine
 from lrsr.recognition.finder import Finder
+from lrsr.recognition.recognisers import Recogniser
 from lrsr.recognition.settings import Landmarks
 from lrsr.rendering.scene import Film
 from lrsr.sr.upscaler import Bicubic
@@ -72,14 +71,16 @@ class Trial:
         engine: What recognises.
         finder: What finds faces; needed where landmarks are own.
         maker: Renders what the cache lacks; Mitsuba when None.
+        name: What a report calls the engine.
         progress: Show bars while rendering.
     """
 
     design: Design
     cache: RenderCache
-    engine: Engine
+    engine: Recogniser
     maker: Maker | None = None
     finder: Finder | None = None
+    name: str = "shipped"
     progress: bool = True
 
     @property
@@ -195,8 +196,10 @@ class Trial:
             told, tests, summaries = evaluate(
                 self.design, condition, scores, decibels, landmarks, errors
             )
+            told = [{"recogniser": self.name, **row} for row in told]
             about = {row["method"]: {name: row[name] for name in NAMES} for row in told}
-            rows, comparisons = rows + told, comparisons + tests
+            rows += told
+            comparisons += [{"recogniser": self.name, **test} for test in tests]
             further.append(look_further(self.design.asked, about, systems, summaries, people))
             curves[landmarks] = {
                 upscalers[name].label: summary.curve for name, summary in summaries.items()
@@ -225,7 +228,7 @@ class Trial:
         ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
         return {
             method: System(
-                CosineScores(one.joined(landmarks), enrolled.joined(landmarks), *ids),
+                self.engine.compare(one.joined(landmarks), enrolled.joined(landmarks), *ids),
                 probes.names,
                 gallery.names,
                 one.qualities if landmarks == "own" else {},
@@ -235,8 +238,7 @@ class Trial:
 
     def _system_name(self, condition: Condition, method: str, landmarks: Landmarks) -> Name:
         size = "" if condition.ipd_px is None else f"{condition.ipd_px:g}"
-        recogniser = self.engine.embedder.model.stem
-        return Name(str(condition.option), size, method, landmarks, recogniser)
+        return Name(str(condition.option), size, method, landmarks, self.name)
 
     def _pictures(
         self,

@@ -33,7 +33,7 @@ from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting, read_gallery
 from lrsr.pictures.source import Rendered, chunks, render_sources
 from lrsr.presets import build
-from lrsr.recognition.encoders import SMALLEST_ANGLE_DEG, Encoder, resolve_encoder
+from lrsr.recognition.recognisers import SMALLEST_ANGLE_DEG, Recogniser, resolve_encoder
 from lrsr.recognition.settings import RecognitionSettings
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ class UniquenessSettings:
         most_redraws: Per person.
         camera: Gives every picture its exposure; they are enrolled ones, without its flaws.
         model: ONNX embedder in place of the shipped one, with its contract beside it.
+        device: Where it runs; see :func:`lrsr.onnx.providers_on`.
 
     Raises:
         InputError: A number is out of its range.
@@ -65,6 +66,7 @@ class UniquenessSettings:
     most_redraws: int
     camera: Camera
     model: Path | None = None
+    device: str = "cpu"
 
     def __post_init__(self) -> None:
         angle = self.smallest_angle_deg
@@ -87,8 +89,11 @@ class UniquenessSettings:
         recognition = RecognitionSettings.from_config(config)
         known = recognition.landmarks == ("shared",)
         require(known, "recognition.landmarks", config.recognition.landmarks, "shared")
-        alone = recognition == RecognitionSettings(recognition.model)
-        require(alone, "recognition", "...", "recognition.model alone: nothing else is read")
+        alone = recognition == RecognitionSettings(recognition.model, device=recognition.device)
+        told = (
+            "recognition.model and .device alone: nothing else is read; encoder= says who compares"
+        )
+        require(alone, "recognition", "...", told)
         encoder = resolve_encoder(str(config.encoder))
         given = config.smallest_angle_deg is not None
         least = number(config, "smallest_angle_deg") if given else SMALLEST_ANGLE_DEG[encoder]
@@ -99,6 +104,7 @@ class UniquenessSettings:
             most_redraws=whole_number(config, "most_redraws"),
             camera=build(config.camera, "camera"),
             model=recognition.model,
+            device=recognition.device,
         )
 
 
@@ -118,7 +124,7 @@ class Gallery:
 
     settings: UniquenessSettings
     cache: RenderCache
-    encoder: Encoder
+    encoder: Recogniser
     maker: Maker
     progress: bool = True
     people: dict[Drawn, Traits | None] = field(default_factory=dict)

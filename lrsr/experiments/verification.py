@@ -1,7 +1,9 @@
 """Does this way of enlarging help to tell people apart, and under which conditions?"""
 
 import logging
+from collections.abc import Iterable, Iterator
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -71,13 +73,21 @@ class Verification(Design):
             InputError: A file or a folder is wrong; nothing has been rendered by then.
         """
         memory = Memory(cache.folder / "recognition")
-        engine, finder = self.recognition.engine(memory), self.recognition.finder(memory)
-        trial = Trial(self, cache, engine, maker, finder, progress=progress)
-        landmarks = trial.landmarks  # refused before anything is rendered
-        trial.render()
+        engines, finder = self.recognition.engines(memory), self.recognition.finder(memory)
+        trials = [
+            Trial(self, cache, engine, maker, finder, name, progress=progress)
+            for name, engine in engines.items()
+        ]
+        landmarks = trials[0].landmarks  # refused before anything is rendered
+        outcomes: list[Outcome] = []
         with score_file(folder) if self.save_scores else nullcontext() as table:
-            scored, total = trial.outcomes(table), len(self.conditions)
-            outcomes = list(tqdm(scored, "scoring", total, unit="condition", disable=not progress))
+            for trial in trials:
+                trial.render()
+                scored, total = trial.outcomes(table), len(self.conditions)
+                what = "scoring" if len(trials) == 1 else f"scoring, {trial.name}"
+                bar = tqdm(scored, what, total, unit="condition", disable=not progress)
+                several = len(trials) > 1
+                outcomes += _told_by(trial.name, bar, faces=not outcomes) if several else bar
         results: dict[str, Any] = {
             "rows": [row for outcome in outcomes for row in outcome.rows],
             "comparisons": with_holm(
@@ -86,7 +96,7 @@ class Verification(Design):
             **gather([one for outcome in outcomes for one in outcome.further]),
             "config": self.describe(),
             "recognition": {
-                **engine.describe(),
+                "recognisers": {name: dict(engine.describe()) for name, engine in engines.items()},
                 **({"detector": finder.detector.describe()} if finder else {}),
             },
             "versions": versions(),
@@ -119,10 +129,18 @@ class Verification(Design):
                 write_bytes(folder / f"faces_{number}.png", draw_contact_sheet(panel.pictures))
 
 
+def _told_by(name: str, outcomes: Iterable[Outcome], *, faces: bool) -> Iterator[Outcome]:
+    """Let titles say which recogniser it was; the faces are the same for all, and shown once."""
+    for outcome in outcomes:
+        panel = replace(outcome.panel, title=f"{name}. {outcome.panel.title}")
+        yield replace(outcome, panel=panel if faces else replace(panel, pictures={}, people=()))
+
+
 def _line(row: Record) -> str:
     psnr = "" if row["psnr_y_db"] is None else f"  PSNR-Y {row['psnr_y_db']:.2f} dB"
     size = "" if row["ipd_px"] is None else f"  IPD {row['ipd_px']:g} px"
-    told = f"option {row['option']}{size}  {row['landmarks']:<6}  {row['label']:<9}"
+    told = f"{row['recogniser']}  option {row['option']}{size}  {row['landmarks']:<6}"
+    told += f"  {row['label']:<9}"
     if row["auc"] is None:
         return f"{told}  too few faces were found (FTA {row['fta']:.3f})"
     fta = f"  FTA {row['fta']:.3f}" if row["fta"] else ""

@@ -29,7 +29,7 @@ Template = Literal["arcface5", "eyes", "deepface"]
 TEMPLATES: tuple[Template, ...] = get_args(Template)
 
 CROP_PX = 112
-"""Side of the aligned face, px."""
+"""Side of the aligned face that :data:`TEMPLATE_PX` is made for, px."""
 _FARTHEST = 4
 """A face that is cut off may reach beyond its picture, but not so many times."""
 
@@ -180,8 +180,9 @@ def align(
     antialias: bool,
     template: Template = "arcface5",
     boxes_px: ArrayLike | None = None,
+    size_px: tuple[int, int] = (CROP_PX, CROP_PX),
 ) -> tuple[torch.Tensor, NDArray[np.bool_]]:
-    """Bring faces to 112×112.
+    """Bring faces to an embedder's pixels.
 
     Args:
         srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
@@ -190,9 +191,11 @@ def align(
         template: How, see the module.
         boxes_px: ``(B, 4)`` left, top, right, bottom of each face, which ``deepface`` alone needs;
             None: where a detector's box lies about such eyes on average.
+        size_px: Height h and width w of a crop. The template is multiplied by h / 112, as
+            insightface does, and centred in the width; ``deepface`` wants them equal.
 
     Returns:
-        The crops ``(B, 3, 112, 112)``, black where no face was found, and ``(B,)``: was one found?
+        The crops ``(B, 3, h, w)``, black where no face was found, and ``(B,)``: was one found?
 
     Raises:
         ImageContractError: Images or landmarks have another shape, their numbers differ, or the
@@ -203,7 +206,8 @@ def align(
     if len(matrices) != len(srgb):
         raise ImageContractError(f"{len(srgb)} images but landmarks for {len(matrices)}")
     found: NDArray[np.bool_] = np.isfinite(matrices[:, 0, 0])
-    crops = srgb.new_zeros(len(srgb), 3, CROP_PX, CROP_PX)
+    height, width = size_px
+    crops = srgb.new_zeros(len(srgb), 3, height, width)
     if not found.any():
         return crops, found
     points = read_landmarks(landmarks_px)
@@ -218,23 +222,26 @@ def align(
         for row in np.flatnonzero(found):
             face = cut_face(_levels(srgb[row]), boxes[row], points[row, :2])
             found[row] = face is not None
-            crops[row] = crops[row] if face is None else _srgb(fit_to_square(face, CROP_PX))
+            crops[row] = crops[row] if face is None else _srgb(fit_to_square(face, height))
     else:
-        rows = torch.from_numpy(found)
-        crops[rows] = warp(srgb[rows], matrices[found], size_px=CROP_PX, antialias=antialias)
+        rows, fitted = torch.from_numpy(found), matrices[found] * (height / CROP_PX)
+        fitted[:, 0, 2] += (width - height) / 2
+        square = warp(srgb[rows], fitted, size_px=max(size_px), antialias=antialias)
+        crops[rows] = square[:, :, :height, :width]
     return crops, found
 
 
-def whole_pictures(srgb: torch.Tensor) -> torch.Tensor:
-    """Bring whole pictures to 112×112, as DeepFace does where it finds no face.
+def whole_pictures(srgb: torch.Tensor, side_px: int = CROP_PX) -> torch.Tensor:
+    """Bring whole pictures to a square, as DeepFace does where it finds no face.
 
     Args:
         srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
+        side_px: Of the square.
 
     Returns:
-        ``(B, 3, 112, 112)``.
+        ``(B, 3, side_px, side_px)``.
     """
-    return torch.stack([_srgb(fit_to_square(_levels(one), CROP_PX)) for one in srgb])
+    return torch.stack([_srgb(fit_to_square(_levels(one), side_px)) for one in srgb])
 
 
 def landmark_errors(found_px: ArrayLike, true_px: ArrayLike) -> NDArray[np.float64]:

@@ -11,11 +11,12 @@
     channels = "RGB"            # or "BGR"
     height_px = 112
     width_px = 112
-    mean = 127.5                # the model sees (255 srgb - mean) / scale
-    scale = 127.5
+    mean = 127.5                # the model sees (255 srgb - mean) / scale, each a number or
+    scale = 127.5               # three, in the order of `channels`: [104, 117, 123]
 
     [output]
     dimension = 128
+    name = "embeddings"         # may be left out where the graph has one output
 
     [alignment]
     template = "arcface5"       # or "eyes" or "deepface"
@@ -25,27 +26,28 @@ The numbers that the graph states too (sizes, dimension) must agree with it; wha
 (channel order, mean, scale, antialias) is taken from here and from nowhere else.
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from lrsr.errors import InputError
-from lrsr.onnx import contract_path, read_declared
-from lrsr.recognition.alignment import CROP_PX, TEMPLATES
+from lrsr.onnx import PerChannel, contract_path, declared_text, read_declared
+from lrsr.recognition.alignment import TEMPLATES
 
 _TABLES = {
     "": ("sha256", "licence", "source"),
     "input": ("layout", "channels", "height_px", "width_px", "mean", "scale"),
-    "output": ("dimension",),
+    "output": ("dimension", "name"),
     "alignment": ("template", "antialias"),
 }
 _CHOICES = {
     "input.layout": ("NCHW", "NHWC"),
     "input.channels": ("RGB", "BGR"),
-    "input.height_px": (CROP_PX,),
-    "input.width_px": (CROP_PX,),
     "alignment.template": TEMPLATES,
 }
+_SIDES_PX = range(16, 1025)
 
 
 @dataclass(frozen=True)
@@ -59,11 +61,12 @@ class Contract:
     channels: str
     height_px: int
     width_px: int
-    mean: float
-    scale: float
+    mean: PerChannel
+    scale: PerChannel
     dimension: int
     template: str
     antialias: bool
+    name: str = ""
 
     @property
     def input_shape(self) -> tuple[int, int, int]:
@@ -84,18 +87,22 @@ def read_contract(model: Path) -> Contract:
             out of range; or the model is not the one that the contract was written for.
     """
     contract = read_declared(Contract, model, _TABLES, _CHOICES)
-    if contract.scale <= 0 or contract.dimension <= 0:
-        path = contract_path(model)
+    path = contract_path(model)
+    if min(np.ravel(contract.scale)) <= 0 or contract.dimension <= 0:
         raise InputError(f"{path}: input.scale and output.dimension must be above 0")
+    sizes = contract.height_px, contract.width_px
+    if contract.template == "deepface" and len({*sizes}) > 1:
+        raise InputError(f"{path}: input is {sizes[0]}×{sizes[1]} px; deepface wants a square")
+    if not set(sizes) <= set(_SIDES_PX):
+        raise InputError(f"{path}: input is {sizes[0]}×{sizes[1]} px; wanted 16 to 1024 each")
     return contract
 
 
 def write_contract(contract: Contract) -> str:
     """Return the contract as TOML; :func:`read_contract` reads it back unchanged."""
-    lines = []
+    document: dict[str, Any] = {}
     for table, names in _TABLES.items():
-        if table:
-            lines += ["", f"[{table}]"]
-        values = {name: json.dumps(getattr(contract, name), ensure_ascii=False) for name in names}
-        lines += [f"{name} = {value}" for name, value in values.items()]  # TOML, for plain values
-    return "\n".join(lines) + "\n"
+        values = {name: getattr(contract, name) for name in names}
+        told = {name: value for name, value in values.items() if value != ""}
+        document |= {table: told} if table else told
+    return declared_text(document)

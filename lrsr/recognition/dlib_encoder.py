@@ -19,8 +19,10 @@ import torch
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.errors import InputError
+from lrsr.evaluation.scores import CosineScores
 from lrsr.images import check_srgb
 from lrsr.onnx import sha256_of
+from lrsr.paths import models_folder
 from lrsr.recognition.alignment import read_landmarks
 
 _POINTS = "shape_predictor_5_face_landmarks.dat"
@@ -39,7 +41,7 @@ _REMEDY = "pip install 'lrsr[dlib]', or give encoder=shipped"
 
 def dlib_is_installed() -> bool:
     """Tell whether dlib and its models are there, without loading them."""
-    return all(importlib.util.find_spec(name) for name in ("dlib", "face_recognition_models"))
+    return bool(importlib.util.find_spec("dlib")) and any(map(_has_models, _folders()))
 
 
 class DlibEncoder:
@@ -50,23 +52,29 @@ class DlibEncoder:
     """
 
     name = "dlib"
+    compare = staticmethod(CosineScores)
 
     def __init__(self) -> None:
         if not dlib_is_installed():
-            raise InputError(f"encoder=dlib: dlib or its models are not installed; {_REMEDY}")
+            raise InputError(
+                f"dlib: it or its models ({_POINTS}, {_NETWORK}) are not installed; {_REMEDY}"
+            )
         import dlib  # an extra, 0.2 s
 
         self._dlib: Any = dlib
-        self._folder = _model_folder()
+        self._folder = next(filter(_has_models, _folders()))
         self._points = dlib.shape_predictor(str(self._folder / _POINTS))
         self._network = dlib.face_recognition_model_v1(str(self._folder / _NETWORK))
 
-    def embed(self, srgb: torch.Tensor, landmarks_px: ArrayLike) -> NDArray[np.float32]:
+    def embed(
+        self, srgb: torch.Tensor, landmarks_px: ArrayLike, boxes_px: ArrayLike | None = None
+    ) -> NDArray[np.float32]:
         """Embed faces whose landmarks are known.
 
         Args:
             srgb: ``(B, 3, H, W)`` float32, srgb, [0, 1].
             landmarks_px: ``(B, 5, 2)``, (x, y) in px of ``srgb``, the eyes first; NaN = no face.
+            boxes_px: Not needed: its box follows from the landmarks.
 
         Returns:
             ``(B, 128)`` float32, rows of length 1; a row of NaN where there was no face.
@@ -89,6 +97,7 @@ class DlibEncoder:
         """Return what a report must say of the encoder; JSON-serialisable."""
         return {
             "encoder": self.name,
+            "licence": "CC0 1.0",
             "model": _NETWORK,
             "sha256": sha256_of(self._folder / _NETWORK),
             "dlib": str(self._dlib.__version__),
@@ -119,16 +128,15 @@ def _face_box(landmarks_px: ArrayLike) -> tuple[int, int, int, int]:
     return left, top, right, bottom
 
 
-def _model_folder() -> Path:
-    """Find the models without importing their package, which wants a part that setuptools lost.
+def _folders() -> list[Path]:
+    """Return where the models may lie: ``lrsr models pull dlib_resnet`` or their package.
 
-    Raises:
-        InputError: A model file is missing.
+    The package is not imported: it wants a part that setuptools lost.
     """
     spec = importlib.util.find_spec("face_recognition_models")
-    origin = spec.origin if spec is not None else None
-    folder = Path(origin or "").parent / "models"
-    for name in (_POINTS, _NETWORK):
-        if not (folder / name).is_file():
-            raise InputError(f"encoder=dlib: {folder / name} is missing; {_REMEDY}")
-    return folder
+    package = [Path(spec.origin).parent / "models"] if spec is not None and spec.origin else []
+    return [models_folder(), *package]
+
+
+def _has_models(folder: Path) -> bool:
+    return all((folder / name).is_file() for name in (_POINTS, _NETWORK))

@@ -17,7 +17,7 @@ class Embedder:
     Args:
         model: Path of the ``.onnx`` file; its contract lies beside it.
         batch_size: Crops per run of the model; a graph with a fixed batch overrules it.
-        device: "cpu", or "cuda" where onnxruntime has it.
+        device: See :func:`lrsr.onnx.providers_on`.
 
     Raises:
         InputError: The contract is missing, broken or about another file; the file is no ONNX
@@ -31,7 +31,13 @@ class Embedder:
         self._session = open_session(model, providers_on(device))
         shape, dimension = self.contract.input_shape, self.contract.dimension
         words = f"float {self.contract.layout} {shape}", f"dimension {dimension}"
-        check_graph(self._session, model, "an embedder", (None, *shape), (None, dimension), words)
+        ends = (None, *shape), (None, dimension)
+        check_graph(self._session, model, "an embedder", *ends, words, self.contract.name)
+
+    @property
+    def providers(self) -> tuple[str, ...]:
+        """Who computes, by onnxruntime's names, in order of preference."""
+        return tuple(self._session.get_providers())
 
     def __call__(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Embed aligned faces.
@@ -50,14 +56,21 @@ class Embedder:
         if len(crops) == 0:
             return np.empty((0, self.contract.dimension), dtype=np.float32)
         inputs = self._normalise(check_srgb(crops, name="crops"))
-        rows = run_session(self._session, self.model, inputs, batch_size=self.batch_size)
-        return _unit_rows(rows)
+        size, output = self.batch_size, self.contract.name
+        return _unit_rows(
+            run_session(self._session, self.model, inputs, batch_size=size, output=output)
+        )
 
     def _normalise(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Turn srgb [0, 1] into what the contract declares."""
-        values = (crops.numpy(force=True) * 255.0 - self.contract.mean) / self.contract.scale
+        values = crops.numpy(force=True) * np.float32(255)
         if self.contract.channels == "BGR":
             values = values[:, ::-1]
+        mean, scale = (
+            np.asarray(each, dtype=np.float32).reshape(1, -1, 1, 1)
+            for each in (self.contract.mean, self.contract.scale)
+        )
+        values = (values - mean) / scale
         if self.contract.layout == "NHWC":
             values = values.transpose(0, 2, 3, 1)
         return np.ascontiguousarray(values, dtype=np.float32)

@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import ArrayLike, NDArray
 
+from lrsr.evaluation.scores import CosineScores
 from lrsr.images import check_srgb
 from lrsr.paths import asset
 from lrsr.recognition.alignment import Template, align, read_landmarks, whole_pictures
@@ -30,7 +31,7 @@ class Engine:
     Args:
         model: An ONNX embedder with its contract beside it; default: the one that ships.
         antialias: Overrules the contract's: average when alignment makes a face smaller?
-        device: Where the networks run, "cpu" or "cuda".
+        device: Where the networks run; see :func:`lrsr.onnx.providers_on`.
         finder: Default: with the detector that ships, loaded when it is first needed.
         template: Overrules the contract's alignment.
         fallback: What stands for a face that was not found: nothing, or as in DeepFace the whole
@@ -40,6 +41,8 @@ class Engine:
     Raises:
         InputError: See :class:`lrsr.recognition.embedding.Embedder`.
     """
+
+    compare = staticmethod(CosineScores)
 
     def __init__(
         self,
@@ -97,13 +100,20 @@ class Engine:
     def _embed(
         self, srgb: torch.Tensor, points: NDArray[np.float64], boxes: NDArray[np.float64] | None
     ) -> NDArray[np.float32]:
+        contract = self.embedder.contract
         crops, found = align(
-            srgb, points, antialias=self.antialias, template=self.template, boxes_px=boxes
+            srgb,
+            points,
+            antialias=self.antialias,
+            template=self.template,
+            boxes_px=boxes,
+            size_px=(contract.height_px, contract.width_px),
         )
         if self.fallback == "whole_image" and not found.all():
-            crops[torch.from_numpy(~found)] = whole_pictures(srgb[torch.from_numpy(~found)])
+            missed = torch.from_numpy(~found)
+            crops[missed] = whole_pictures(srgb[missed], contract.height_px)
             found = np.ones_like(found)
-        result = np.full((len(crops), self.embedder.contract.dimension), np.nan, dtype=np.float32)
+        result = np.full((len(crops), contract.dimension), np.nan, dtype=np.float32)
         result[found] = self.embedder(crops[torch.from_numpy(found)])
         return result
 
@@ -119,4 +129,5 @@ class Engine:
             "alignment": self.template,
             "antialias": self.antialias,
             "fallback": self.fallback,
+            "providers": ", ".join(self.embedder.providers),
         }

@@ -1,10 +1,13 @@
 """How does a command recognise? By the section ``recognition`` of its configuration."""
 
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Self, cast, get_args
 
-from lrsr.configuration import as_mapping, as_number, as_word, require
+from lrsr.configuration import as_mapping, as_number, as_word, require, words
+from lrsr.errors import InputError
+from lrsr.onnx import DEVICES
 from lrsr.paths import path_if_any
 from lrsr.recognition.alignment import TEMPLATES, Template
 from lrsr.recognition.detection.detector import Detector
@@ -12,6 +15,8 @@ from lrsr.recognition.detection.enlargement import Enlargement
 from lrsr.recognition.engine import FALLBACKS, Engine, Fallback
 from lrsr.recognition.finder import Finder
 from lrsr.recognition.memory import Memory
+from lrsr.recognition.recognisers import Recogniser, find_recognisers, load_recognisers
+from lrsr.recognition.registry import model_file
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -34,6 +39,8 @@ class RecognitionSettings:
         score_threshold: Least score of a face; None: the detector's contract says.
         alignment: None: the embedder's contract says.
         fallback: What stands for a face that is not found.
+        recognisers: Names; see :func:`lrsr.recognition.recognisers.find_recognisers`.
+        device: Where ONNX files run; see :func:`lrsr.onnx.providers_on`.
     """
 
     model: Path | None = None
@@ -43,6 +50,8 @@ class RecognitionSettings:
     score_threshold: float | None = None
     alignment: Template | None = None
     fallback: Fallback = "none"
+    recognisers: tuple[str, ...] = ("shipped",)
+    device: str = "auto"
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:
@@ -61,16 +70,28 @@ class RecognitionSettings:
         rule = as_mapping(given.enlargement, "recognition.enlargement")
         for name in rule:
             _choose("enlargement", name, tuple(vars(Enlargement())))
+        model = path_if_any(given.model, "recognition.model")
+        recognisers = tuple(words(given, "recognisers"))
+        find_recognisers(recognisers, model)
+        device = as_word(given.device, "recognition.device")
+        _choose("device", device, DEVICES)
+        detector = given.detector
         return cls(
-            model=path_if_any(given.model, "recognition.model"),
+            model=model,
             landmarks=_LANDMARKS if landmarks == "both" else (cast("Landmarks", landmarks),),
-            detector=path_if_any(given.detector, "recognition.detector"),
+            detector=(
+                None
+                if detector is None
+                else model_file(as_word(detector, "recognition.detector"), "detector")
+            ),
             enlargement=Enlargement(**rule),
             score_threshold=(
                 None if threshold is None else as_number(threshold, "recognition.score_threshold")
             ),
             alignment=alignment,
             fallback=given.fallback,
+            recognisers=recognisers,
+            device=device,
         )
 
     def finder(self, memory: Memory | None = None) -> Finder | None:
@@ -84,12 +105,16 @@ class RecognitionSettings:
         """
         if "own" not in self.landmarks:
             return None
-        rule, threshold = self.enlargement, self.score_threshold
-        detector = Detector(self.detector, enlargement=rule, score_threshold=threshold)
+        detector = Detector(
+            self.detector,
+            enlargement=self.enlargement,
+            score_threshold=self.score_threshold,
+            device=self.device,
+        )
         return Finder(detector, memory)
 
-    def engine(self, memory: Memory | None = None) -> Engine:
-        """Load what recognises.
+    def engines(self, memory: Memory | None = None) -> dict[str, Recogniser]:
+        """Load what recognises, by what a report calls it.
 
         Args:
             memory: Where embeddings are kept; default: nowhere.
@@ -97,7 +122,20 @@ class RecognitionSettings:
         Raises:
             InputError: The model is missing or broken.
         """
-        return Engine(self.model, template=self.alignment, fallback=self.fallback, memory=memory)
+        load = partial(
+            Engine,
+            template=self.alignment,
+            fallback=self.fallback,
+            memory=memory,
+            device=self.device,
+        )
+        found = load_recognisers(find_recognisers(self.recognisers, self.model), load)
+        if self.fallback != "none" and not all(isinstance(one, Engine) for one in found.values()):
+            raise InputError(
+                f"recognition.fallback={self.fallback}: only ONNX files can take a whole picture"
+                " for a face; leave it, or name only such recognisers"
+            )
+        return found
 
 
 def _choose(name: str, value: object, options: tuple[str, ...]) -> None:

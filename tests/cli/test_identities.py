@@ -89,7 +89,7 @@ def test_cfg_job_prints_the_settings_and_does_nothing(
         (["identities.roster=none.json"], "cannot read none.json"),
         (["recognition.model=none.onnx"], "none.onnx"),
         (["recognition.landmarks=own"], "recognition.landmarks=own: wanted shared"),
-        (["recognition.fallback=whole_image"], "wanted recognition.model alone"),
+        (["recognition.fallback=whole_image"], "wanted recognition.model and .device alone"),
         (["idnetities.count=3"], "idnetities"),
     ],
     ids=lambda value: value[0] if isinstance(value, list) else None,

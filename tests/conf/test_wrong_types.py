@@ -35,6 +35,7 @@ COMMANDS = {
     "identities": [],
     "identities-export": ["export=meshes"],
     "fit-camera": ["images=."],
+    "models": ["action=verify"],
     "train-srcnn": ["train=srcnn4x"],
     "train-edsr": ["train=edsr2x", "module.arguments.blocks=1", "module.arguments.features=8"],
     "train-arcface": ["train=arcface"],
@@ -54,6 +55,7 @@ UNREAD = {
         *("paths.run", "paths.runs"),  # it writes into export
     },
     "fit-camera": {"camera"},  # when the pictures were read
+    "models": {"paths"},
 }
 OF_OTHERS = {
     *("expression.name", "identities.roster"),  # lrsr.identities takes any text for a name
@@ -61,6 +63,7 @@ OF_OTHERS = {
 }
 WORD, LIST, NAMES, NUMBER = "no-such-word", [1, 2], {"a": 1}, 7
 RIGHT: dict[str, list[Any]] = {
+    "names": [WORD],  # one word is a list of one
     "standpoint.distance_m": [None],
     "standpoint.height_m": [None],
     "files": [WORD],  # one is a list of one
@@ -92,6 +95,7 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         "experiments.people.Uniqueness.run",
         "experiments.scoring.Scoring.run",
         "pictures.export.export_to_folder",
+        "recognition.store.verify",
     ):
         monkeypatch.setattr(f"lrsr.{last}", stop)
     monkeypatch.setattr("lrsr.training.run.train", stop_at_the_trainer)
@@ -159,7 +163,7 @@ def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
     name = command if command == "fit-camera" else command.split("-")[0]
     count = 20 if command == "fit-camera" else 2
     with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        people = [] if command == "score" else [f"identities.count={count}"]
+        people = [] if command in ("score", "models") else [f"identities.count={count}"]
         config = compose(name, [*COMMANDS[command], *people])
     plain: Any = OmegaConf.to_container(config, resolve=False)
     assert attempt(command, copy.deepcopy(plain), "") is None

@@ -1,4 +1,5 @@
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,9 @@ FRONTAL = Scene(preset("lighting", "frontal"))
 TURNED = Scene(preset("lighting", "below"), preset("pose", "left"))
 
 
-def run(folder: Path, model: Path, **settings: Any) -> Path:
+def run(
+    folder: Path, model: Path | None, recognition: Mapping[str, Any] | None = None, **settings: Any
+) -> Path:
     design = Verification(
         name="painted_people",
         question="Are painted people told apart?",
@@ -35,7 +38,7 @@ def run(folder: Path, model: Path, **settings: Any) -> Path:
         gallery=Sitting(PEOPLE, FRONTAL, Film(16.0), QUALITY, "gallery", 5),
         camera=Camera(),
         level=0.9,
-        recognition=RecognitionSettings(model=model),
+        recognition=RecognitionSettings(model=model, **(recognition or {})),
         **settings,
     )
     cache = RenderCache(folder / "cache")
@@ -84,6 +87,23 @@ def test_the_same_settings_give_the_same_numbers_with_or_without_scores(
     first, again = (json.loads((each / "results.json").read_text()) for each in (done, other))
     assert first["rows"] == again["rows"]
     assert not (other / "scores.csv").exists()
+
+
+def test_several_recognisers_have_a_table_each(tmp_path: Path, tone_model: Path) -> None:
+    names = ("shipped", str(tone_model))
+    folder = run(tmp_path, None, {"recognisers": names})
+    results = json.loads((folder / "results.json").read_text())
+    told = [row["recogniser"] for row in results["rows"]]
+    assert told == ["shipped"] * 6 + ["tones"] * 6
+    assert results["recognition"]["recognisers"]["tones"]["model"] == "tones.onnx"
+    told = [test["recogniser"] for test in results["comparisons"]]
+    assert told == ["shipped"] * 6 + ["tones"] * 6
+    assert results["rows"][0]["d_prime"] != results["rows"][6]["d_prime"]
+    page = (folder / "report.html").read_text()
+    for name in ("shipped", "tones"):
+        assert page.count(f"<h3>Recogniser: {name}</h3>") == 2
+        assert f"<h2>{name}. Option 6" in page
+    assert page.count("<h3>Faces</h3>") == 2
 
 
 def test_a_missing_model_is_refused_before_rendering(tmp_path: Path) -> None:

@@ -114,6 +114,16 @@ def test_outside_the_image_its_edge_can_go_on() -> None:
     torch.testing.assert_close(crop[0, 0, :, :10], torch.full((20, 10), 0.005))
 
 
+@pytest.mark.parametrize(("height", "width", "shift"), [(224, 224, 0), (112, 96, -8), (96, 112, 8)])
+def test_other_sizes_take_the_template_by_their_height(
+    height: int, width: int, shift: float
+) -> None:
+    images = torch.rand(1, 3, height, width, generator=torch.Generator().manual_seed(0))
+    landmarks = TEMPLATE_PX[None] * height / 112 + [shift, 0]
+    crops, _ = align(images, landmarks, antialias=False, size_px=(height, width))
+    np.testing.assert_allclose(crops, images, atol=1e-4)
+
+
 def test_antialiasing_averages_what_one_sample_would_miss() -> None:
     y, x = np.mgrid[:224, :224]
     board = torch.from_numpy(((x + y) % 2).astype(np.float32))[None, None]

@@ -36,6 +36,14 @@ def test_quotes_and_backslashes_survive(tmp_path: Path, tiny_model: Path) -> Non
     assert read_contract(tiny_model) == odd
 
 
+def test_three_means_and_an_output_are_read_back(tiny_model: Path) -> None:
+    from dataclasses import replace
+
+    several = replace(read_contract(tiny_model), mean=(104.0, 117.0, 123.0), name="embeddings")
+    contract_path(tiny_model).write_text(write_contract(several))
+    assert read_contract(tiny_model) == several
+
+
 def test_a_whole_number_does_for_a_mean(tiny_model: Path) -> None:
     edit(tiny_model, "mean = 127.5", "mean = 0")
     assert read_contract(tiny_model).mean == 0.0
@@ -46,9 +54,12 @@ def test_a_whole_number_does_for_a_mean(tiny_model: Path) -> None:
     [
         ('layout = "NCHW"', 'layout = "CHWN"', "input.layout = 'CHWN'; wanted NCHW or NHWC"),
         ('channels = "RGB"', 'channels = "GRB"', "wanted RGB or BGR"),
-        ("height_px = 112", "height_px = 96", "input.height_px = 96; wanted 112"),
+        ("height_px = 112", "height_px = 8", "input is 8×112 px; wanted 16 to 1024 each"),
+        ("mean = 127.5", "mean = [1, 2]", "input.mean = [1, 2]; wanted a number, or three"),
+        ("mean = 127.5", 'mean = [1, 2, "3"]', "wanted a number, or three"),
+        ("scale = 127.5", "scale = [1, 0, 1]", "must be above 0"),
         ("mean = 127.5\n", "", "input.mean is missing"),
-        ("mean = 127.5", 'mean = "127"', "wanted float"),
+        ("mean = 127.5", 'mean = "127"', "input.mean = '127'; wanted a number, or three"),
         ("antialias = false", "antialias = 0", "wanted bool"),
         ("scale = 127.5", "scale = 0.0", "must be above 0"),
         ("dimension = 6", "dimension = 6\nnorm = 1", "unknown field 'norm'"),

@@ -1,3 +1,4 @@
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,15 +9,17 @@ import pytest
 import torch
 
 from lrsr.errors import ImageContractError, InputError
-from lrsr.onnx import contract_path, sha256_of
+from lrsr.onnx import contract_path, run_session, sha256_of
 from lrsr.recognition import embedding
+from lrsr.recognition.contract import Contract, write_contract
 from lrsr.recognition.embedding import Embedder, _unit_rows
 
 WriteModel = Callable[..., Path]
+DATA = Path(__file__).parents[1] / "data"
 
 
-def colours(*rgb: tuple[float, float, float]) -> torch.Tensor:
-    return torch.tensor(rgb)[:, :, None, None].expand(-1, 3, 112, 112).contiguous()
+def colours(*rgb: tuple[float, float, float], side: int = 112) -> torch.Tensor:
+    return torch.tensor(rgb)[:, :, None, None].expand(-1, 3, side, side).contiguous()
 
 
 def declare_new_bytes(model: Path, old: str) -> None:
@@ -31,13 +34,24 @@ def declare_new_bytes(model: Path, old: str) -> None:
         ({"layout": "NHWC"}, [1.0, 0.0, -1.0]),
         ({"channels": "BGR"}, [-1.0, 0.0, 1.0]),
         ({"mean": 0.0, "scale": 255.0}, [1.0, 0.5, 0.0]),
+        ({"mean": (255.0, 0.0, 1.0), "scale": (1.0, 127.5, 0.5)}, [0.0, 1.0, -2.0]),
+        (
+            {"channels": "BGR", "mean": (0.0, 0.0, 255.0), "scale": (1.0, 127.5, 1.0)},
+            [0.0, 1.0, 0.0],  # blue, green, red
+        ),
+        (
+            {"layout": "NHWC", "channels": "BGR", "mean": 0.0, "scale": 255.0},
+            [0.0, 0.5, 1.0],
+        ),
+        ({"side": 64, "height_px": 64, "width_px": 64}, [1.0, 0.0, -1.0]),
     ],
-    ids=["arcface", "nhwc", "bgr", "zero-to-one"],
+    ids=["arcface", "nhwc", "bgr", "zero-to-one", "three", "three-bgr", "deepface", "size"],
 )
 def test_the_model_sees_what_its_contract_says(
     write_model: WriteModel, declared: dict[str, object], expected: list[float]
 ) -> None:
-    embedding = Embedder(write_model(**declared))(colours((1.0, 0.5, 0.0)))
+    side = int(declared.get("side", 112))  # type: ignore[call-overload]
+    embedding = Embedder(write_model(**declared))(colours((1.0, 0.5, 0.0), side=side))
     wanted = np.array([expected + [2 * value for value in expected]])
     np.testing.assert_allclose(embedding, wanted / np.linalg.norm(wanted), atol=1e-6)
 
@@ -94,6 +108,80 @@ def test_a_graph_of_another_layout_is_refused(tiny_model: Path) -> None:
     path.write_text(path.read_text().replace('"NCHW"', '"NHWC"'))
     with pytest.raises(InputError, match=r"its contract says float NHWC \(112, 112, 3\)"):
         Embedder(tiny_model)
+
+
+@pytest.fixture
+def two_outputs(tiny_model: Path) -> Path:
+    """Let the model return the means, too, and before its embeddings."""
+    old = sha256_of(tiny_model)
+    model = onnx.load(tiny_model)
+    means = onnx.helper.make_tensor_value_info("means", onnx.TensorProto.FLOAT, ["batch", 3])
+    model.graph.output.insert(0, means)
+    onnx.save(model, tiny_model)
+    declare_new_bytes(tiny_model, old)
+    return tiny_model
+
+
+def name_the_output(model: Path, name: str) -> None:
+    path = contract_path(model)
+    path.write_text(path.read_text().replace("dimension = 6", f'dimension = 6\nname = "{name}"'))
+
+
+def test_of_several_outputs_the_named_one_is_taken(two_outputs: Path) -> None:
+    name_the_output(two_outputs, "embeddings")
+    assert Embedder(two_outputs)(colours((1.0, 0.5, 0.0))).shape == (1, 6)
+
+
+def test_an_output_that_is_not_there_is_named(two_outputs: Path) -> None:
+    name_the_output(two_outputs, "features")
+    with pytest.raises(InputError, match="has no output 'features'; it has means, embeddings"):
+        Embedder(two_outputs)
+
+
+def test_a_face_reaches_the_model_as_insightface_feeds_it(tmp_path: Path) -> None:
+    oracle = json.loads((DATA / "insightface_arcface_onnx.json").read_text())
+    bgr = np.random.default_rng(0).integers(0, 256, (112, 112, 3), dtype=np.uint8)
+    crops = torch.from_numpy(bgr[..., ::-1].copy()).permute(2, 0, 1)[None].float() / 255
+    embedder = Embedder(write_pooling_model(tmp_path / "pool.onnx"))
+    expected = np.array(oracle["embedding"])
+    inputs = embedder._normalise(crops)
+    found = run_session(embedder._session, embedder.model, inputs, batch_size=1)[0]
+    np.testing.assert_allclose(found, expected, atol=1e-5)
+    np.testing.assert_allclose(embedder(crops)[0], expected / np.linalg.norm(expected), atol=1e-5)
+
+
+def write_pooling_model(path: Path) -> Path:
+    """Write the graph that the oracle was run with, see the JSON's source."""
+    kind, shape = onnx.TensorProto.FLOAT, ["N", 3, 112, 112]
+    graph = onnx.helper.make_graph(
+        [
+            onnx.helper.make_node(
+                "AveragePool", ["data"], ["pooled"], kernel_shape=[16, 16], strides=[16, 16]
+            ),
+            onnx.helper.make_node("Flatten", ["pooled"], ["embedding"]),
+        ],
+        "pool",
+        [onnx.helper.make_tensor_value_info("data", kind, shape)],
+        [onnx.helper.make_tensor_value_info("embedding", kind, ["N", 147])],
+    )
+    opset = [onnx.helper.make_opsetid("", 18)]
+    onnx.save(onnx.helper.make_model(graph, opset_imports=opset, ir_version=9), path)
+    contract = Contract(
+        sha256=sha256_of(path),
+        licence="MIT",
+        source="a test",
+        layout="NCHW",
+        channels="RGB",
+        height_px=112,
+        width_px=112,
+        mean=127.5,
+        scale=127.5,
+        dimension=147,
+        template="arcface5",
+        antialias=False,
+    )
+    contract_path(path).write_text(write_contract(contract))
+    return path
 
 
 def test_a_detector_is_no_embedder(tiny_model: Path) -> None:

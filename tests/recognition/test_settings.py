@@ -42,7 +42,8 @@ def test_every_setting_is_read() -> None:
 def test_an_engine_is_as_the_settings_say(tiny_model: Path, tmp_path: Path) -> None:
     rule = Enlargement(shorter_px=100)
     settings = RecognitionSettings(tiny_model, ("own",), None, rule, 0.7, "eyes", "whole_image")
-    told = settings.engine(Memory(tmp_path)).describe()
+    (engine,) = settings.engines(Memory(tmp_path)).values()
+    told = engine.describe()
     assert (told["alignment"], told["fallback"], told["model"]) == (
         "eyes",
         "whole_image",
@@ -58,3 +59,9 @@ def test_a_missing_detector_is_refused_where_one_is_needed(tmp_path: Path) -> No
     with pytest.raises(InputError, match=r"gone\.onnx is missing"):
         RecognitionSettings(landmarks=("own",), detector=gone).finder()
     assert RecognitionSettings(landmarks=("shared",), detector=gone).finder() is None
+
+
+def test_a_whole_picture_stands_for_no_face_only_where_an_onnx_file_takes_it() -> None:
+    settings = RecognitionSettings(recognisers=("shipped", "lbp"), fallback="whole_image")
+    with pytest.raises(InputError, match=r"recognition\.fallback=whole_image: only ONNX files"):
+        settings.engines()

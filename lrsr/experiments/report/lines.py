@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import Any
 
 from lrsr.evaluation.multiplicity import holm_adjusted
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+_SOURCES = ("recogniser", "landmarks")
+"""Parts of a condition that are told where there are several."""
 
 _Records = Sequence[Mapping[str, Any]]
 """Rows or comparisons, as in ``results.json``."""
@@ -17,7 +20,7 @@ _Records = Sequence[Mapping[str, Any]]
 def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
     """Return each row with what the template prints besides: condition, interval, tests.
 
-    Where landmarks come from several sources, these are part of the condition.
+    Where there are several recognisers or sources of landmarks, these are part of the condition.
 
     Args:
         rows: Lines of the table, as of :func:`lrsr.experiments.table.evaluate`.
@@ -38,9 +41,9 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
     return [_line(row, tests.get(_place(row), {}), several) for row in rows]
 
 
-def several_sources(rows: _Records) -> bool:
-    """Tell whether landmarks come from several sources: then each is a condition of its own."""
-    return len({row["landmarks"] for row in rows}) > 1
+def several_sources(rows: _Records) -> Set[str]:
+    """Return which of recogniser and landmarks there are several of: each is a condition then."""
+    return {name for name in _SOURCES if len({row[name] for row in rows}) > 1}
 
 
 def best_methods(lines: _Records) -> Iterator[str]:
@@ -66,18 +69,19 @@ def method_labels(rows: _Records) -> dict[str, str]:
     return {row["method"]: row["label"] for row in rows}
 
 
-def condition_of(record: Mapping[str, Any], landmarks: bool) -> str:
+def condition_of(record: Mapping[str, Any], several: Set[str]) -> str:
     """Return what a report calls the condition of a record; scores of others may have none.
 
     Args:
-        record: With option, ipd_px and landmarks, each possibly None.
-        landmarks: Name their source, too: there are several.
+        record: With option, ipd_px, landmarks and recogniser, each possibly None.
+        several: Of :func:`several_sources`.
     """
     option, ipd_px, source = record["option"], record["ipd_px"], record["landmarks"]
     words = [] if option is None else [f"Option {option}"]
     words += [] if ipd_px is None else [f"IPD {ipd_px:g} px"]
-    words += [f"{source} landmarks"] if landmarks and source is not None else []
-    return ", ".join(words) or "All pairs"
+    words += [f"{source} landmarks"] if "landmarks" in several and source is not None else []
+    told = ", ".join(words) or "All pairs"
+    return f"{record['recogniser']}. {told}" if "recogniser" in several else told
 
 
 def _format_p(p: float, log10_p: float | None = None) -> str:
@@ -107,10 +111,11 @@ def _format_p(p: float, log10_p: float | None = None) -> str:
 
 
 def _place(record: Mapping[str, Any]) -> tuple[object, ...]:
-    return record["option"], record["ipd_px"], record["landmarks"], record["method"]
+    names = ("recogniser", "option", "ipd_px", "landmarks", "method")
+    return tuple(record[name] for name in names)
 
 
-def _line(row: Mapping[str, Any], tests: Mapping[str, Any], several: bool) -> dict[str, Any]:
+def _line(row: Mapping[str, Any], tests: Mapping[str, Any], several: Set[str]) -> dict[str, Any]:
     low, high, measured = row["low"], row["high"], row["auc"] is not None
     degenerate = row["std"] == 0
     outside = measured and (low <= 0 or high >= 1)

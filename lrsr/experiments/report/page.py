@@ -104,7 +104,7 @@ def write_report(
         settings={**config, "recognition": results["recognition"]},
         likelihoods=_told(results, "likelihood_ratios"),
         groups=_by_group(_told(results, "groups")),
-        lines=lines,
+        tables=_tables(lines),
         several_options=several,
         level=f"{100 * config['level']:g} %",
         against=[dict(some) for some in (others[:1], others[1:]) if some],  # the first is Base
@@ -124,6 +124,14 @@ def write_report(
         versions=results["versions"],
         seed=config["seed"],
     )
+
+
+def _tables(lines: Sequence[Mapping[str, Any]]) -> dict[str, list[Mapping[str, Any]]]:
+    """Return the lines of each recogniser."""
+    tables: dict[str, list[Mapping[str, Any]]] = {}
+    for line in lines:
+        tables.setdefault(line["recogniser"], []).append(line)
+    return tables
 
 
 def _told(results: Mapping[str, Any], name: str) -> list[dict[str, Any]]:

@@ -31,6 +31,7 @@ def make_row(
     landmarks: str = "shared",
 ) -> dict[str, Any]:
     return {
+        "recogniser": "shipped",
         "option": option,
         "ipd_px": 8.0,
         "method": method,
@@ -54,7 +55,13 @@ def make_results(options: tuple[int, ...] = (1,), **changes: Any) -> dict[str, A
         rows += [make_row(option, method, own) for method, own in scores.items()]
         for method, against in (("srcnn4", "base"), ("bicubic4", "base"), ("srcnn4", "bicubic4")):
             test = asdict(compare_aucs(*scores[method], *scores[against]))
-            names = {"option": option, "ipd_px": 8.0, "landmarks": "shared", "method": method}
+            names = {
+                "recogniser": "shipped",
+                "option": option,
+                "ipd_px": 8.0,
+                "landmarks": "shared",
+                "method": method,
+            }
             comparisons.append({**names, "against": against, **test})
     config = {
         "name": "does_it_help",

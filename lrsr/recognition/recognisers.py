@@ -1,0 +1,146 @@
+"""What can recognise, by name? The embedder we ship, dlib's, any ONNX file, features not learned.
+
+All of them are one protocol: faces become rows of numbers, and rows become scores.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, Protocol, get_args
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike, NDArray
+
+from lrsr.errors import InputError
+from lrsr.evaluation.scores import ScoreSource
+from lrsr.recognition.dlib_encoder import DlibEncoder, dlib_is_installed
+from lrsr.recognition.engine import Engine
+from lrsr.recognition.features import FEATURES, Features
+from lrsr.recognition.registry import model_file
+
+_SHIPPED = "shipped"
+_DLIB = ("dlib", "dlib_resnet")
+
+_EncoderName = Literal["auto", "dlib", "shipped"]
+_ENCODERS: tuple[_EncoderName, ...] = get_args(_EncoderName)
+
+
+class Recogniser(Protocol):
+    """Turns faces into numbers, and says how alike two are."""
+
+    def embed(
+        self, srgb: torch.Tensor, landmarks_px: ArrayLike, boxes_px: ArrayLike | None = None
+    ) -> NDArray[np.float32]:
+        """Return ``(B, D)`` for ``(B, 3, H, W)`` srgb and ``(B, 5, 2)`` px; NaN = no face.
+
+        Boxes ``(B, 4)`` px are for those whose alignment wants them.
+        """
+
+    def compare(
+        self,
+        probes: NDArray[Any],
+        gallery: NDArray[Any],
+        probe_ids: Sequence[str],
+        gallery_ids: Sequence[str],
+    ) -> ScoreSource:
+        """Return scores, higher = more alike, of ``(P, D)`` probes and ``(G, D)`` gallery rows."""
+
+    def describe(self) -> Mapping[str, object]:
+        """Return what a report must say of it; JSON-serialisable."""
+
+
+SMALLEST_ANGLE_DEG = {"dlib": 11.2, "shipped": 20.0}
+"""Below it two people count as one. dlib: the smallest among the paper's 1500 identities."""
+
+
+def resolve_encoder(name: str) -> Literal["dlib", "shipped"]:
+    """Turn "auto" into "dlib" where it is installed, else into "shipped".
+
+    Raises:
+        InputError: There is no such encoder, or dlib is asked for and not installed.
+    """
+    if name not in _ENCODERS:
+        raise InputError(f"encoder={name}: wanted one of {', '.join(_ENCODERS)}")
+    if name == "dlib" and not dlib_is_installed():
+        DlibEncoder()  # says what is missing
+    if name == "shipped" or not dlib_is_installed():
+        return "shipped"
+    return "dlib"
+
+
+def load_encoder(
+    name: Literal["dlib", "shipped"], model: Path | None = None, *, device: str = "cpu"
+) -> Recogniser:
+    """Load what is to tell whether two people are two: dlib's, as in the paper, or the shipped one.
+
+    Args:
+        name: See :func:`resolve_encoder`.
+        model: ONNX embedder that stands in for the shipped one.
+        device: Where an ONNX embedder runs; see :func:`lrsr.onnx.providers_on`.
+
+    Raises:
+        InputError: A model is missing or broken, or is given although dlib is to compare.
+    """
+    if name == "dlib" and model is not None:
+        raise InputError(f"recognition.model={model}: dlib takes none; add encoder=shipped")
+    return DlibEncoder() if name == "dlib" else Engine(model, device=device)
+
+
+def find_recognisers(names: Sequence[str], model: Path | None = None) -> dict[str, str | Path]:
+    """Find recognisers without loading them.
+
+    Args:
+        names: Each "shipped", "dlib", one of :data:`lrsr.recognition.features.FEATURES`, a name
+            that ``lrsr models list`` knows, or an ONNX file.
+        model: ONNX embedder that stands in for the shipped one.
+
+    Returns:
+        A file, or a name that needs none, by what a report calls it: the file's, without ending.
+
+    Raises:
+        InputError: There is none, several have one name, one is not here or not known, or a model
+            stands in for nobody.
+    """
+    if not names:
+        raise InputError("recognition.recognisers=[]: wanted at least one, such as shipped")
+    if model is not None and _SHIPPED not in names:
+        raise InputError(f"recognition.model={model}: add shipped to recognisers, or leave it")
+    found: dict[str, str | Path] = {}
+    for name in names:
+        known = name in (_SHIPPED, *_DLIB, *FEATURES)
+        source = (known and name) or model_file(name, "recogniser")
+        if name == _SHIPPED and model is not None:
+            source = model
+        label = source.stem if isinstance(source, Path) else name
+        if label in found:
+            raise InputError(f"recognition.recognisers: {label} is there twice; give it once")
+        found[label] = source
+    if any(name in _DLIB for name in names) and not dlib_is_installed():
+        DlibEncoder()  # says what is missing
+    return found
+
+
+def load_recognisers(
+    found: Mapping[str, str | Path], engine: Callable[[Path | None], Engine] = Engine
+) -> dict[str, Recogniser]:
+    """Load recognisers.
+
+    Args:
+        found: By :func:`find_recognisers`.
+        engine: Makes the one of an ONNX file, None: of the shipped one.
+
+    Returns:
+        Them, by the same names.
+
+    Raises:
+        InputError: A file is broken.
+    """
+    return {label: _load(source, engine) for label, source in found.items()}
+
+
+def _load(source: str | Path, engine: Callable[[Path | None], Engine]) -> Recogniser:
+    if isinstance(source, Path):
+        return engine(source)
+    if source == _SHIPPED:
+        return engine(None)
+    return Features(source) if source in FEATURES else DlibEncoder()
