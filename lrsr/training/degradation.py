@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 import torch
 import torch.nn.functional as F
+from numpy.typing import NDArray
 
 from lrsr.camera.codec import jpeg
 from lrsr.images import resize_bicubic
@@ -81,7 +82,12 @@ class Degradation:
         Returns:
             ``(B, 3, 112, 112)`` float32, srgb, [0, 1].
         """
-        faces, is_sharp = crops.float() / 255, sharp.numpy(force=True)
+        with torch.autocast(crops.device.type, enabled=False):  # 8 bits of a picture, not of bf16
+            return self._degrade(crops.float() / 255, sharp.numpy(force=True), rng)
+
+    def _degrade(
+        self, faces: torch.Tensor, is_sharp: NDArray[np.bool_], rng: np.random.Generator
+    ) -> torch.Tensor:
         if is_sharp.any():
             rows = torch.from_numpy(np.flatnonzero(is_sharp))
             shown = self.occlusion(self.background(faces[rows], rng), rng)

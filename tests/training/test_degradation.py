@@ -30,6 +30,12 @@ def test_the_same_numbers_give_the_same_faces() -> None:
     assert not torch.equal(one, other)
 
 
+def test_training_in_bfloat16_sees_the_same_faces() -> None:
+    full = everything()(faces(), SHARP, np.random.default_rng(3))
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        assert torch.equal(everything()(faces(), SHARP, np.random.default_rng(3)), full)
+
+
 def test_the_result_keeps_the_image_contract() -> None:
     result = everything()(faces(), SHARP, np.random.default_rng(0))
     assert (result.shape, result.dtype) == ((6, 3, 112, 112), torch.float32)

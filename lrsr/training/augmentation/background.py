@@ -56,7 +56,8 @@ def _background(faces: torch.Tensor) -> torch.Tensor:
     apart = (edge[:, :, :, None] - edge[:, :, None, :]).abs().amax(dim=1)
     commonest = (apart < _TOLERANCE).sum(dim=-1).argmax(dim=-1)
     colour = edge[torch.arange(len(faces)), :, commonest][:, :, None, None]
-    alike = ((faces - colour).abs().amax(dim=1, keepdim=True) < _TOLERANCE) & ~_CORE
+    alike = (faces - colour).abs().amax(dim=1, keepdim=True) < _TOLERANCE
+    alike &= ~_CORE.to(faces.device)
     return F.avg_pool2d(alike.to(faces), 3, stride=1, padding=1, count_include_pad=False)
 
 
