@@ -38,10 +38,14 @@ _COMMANDS = {
     "render": "probes, references and gallery into a folder",
     "train": "sr=srcnn2x|srcnn4x|edsr2x|edsr4x or recognition=arcface",
     "eval": "an experiment: results.json, report.html",
+    "score": "anybody's scores in files: the same tables, likelihood ratios, pages",
     "identities": "contact sheet, who they are, uniqueness check; export=DIR: meshes",
     "fit-camera": "a camera preset from real pictures in images=DIR",
 }
 """What each does; ``lrsr.tasks.run_COMMAND`` does it."""
+
+_OPERANDS = {"score": "files"}
+"""Commands that take words without a key, and the setting that they are."""
 
 _USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
 
@@ -54,6 +58,7 @@ examples:
   lrsr demo
   lrsr eval experiment=super_resolution identities.count=200 options=[1,4]
   lrsr render identities.count=3 pose=left lighting=above ipd_px=8 out=probes
+  lrsr score runs/eval/.../scores.csv calibration=pav
   lrsr train sr=srcnn4x identities.count=300
   lrsr identities identities.count=1500 identities.sex=female
   lrsr identities export=meshes identities.count=3 pose=left
@@ -159,9 +164,21 @@ def _mended(args: Any, name: str, scratch: Path) -> list[str]:
     """
     given = [args.config_path or config_folder(), *filter(None, [args.config_dir])]
     folders = [*(Path(folder).absolute() for folder in given), scratch]
-    words = [_with_given_cameras(word, scratch, args.multirun) for word in args.overrides]
+    words = _with_operands(args.overrides, name)
+    words = [_with_given_cameras(word, scratch, args.multirun) for word in words]
     mended = Overrides(args.config_name or name, folders, args.multirun).mended(words)
     return [f'hydra.sweep.dir="{scratch}"', f'hydra.searchpath=["file://{scratch}"]', *mended]
+
+
+def _with_operands(words: Sequence[str], name: str) -> list[str]:
+    """Let words without a key be the setting that the command has for them, as a list."""
+    operands = [word for word in words if "=" not in word and word[:1] not in {"~", "+"}]
+    if name not in _OPERANDS or not operands:
+        return [*words]
+    from hydra.core.override_parser.types import Quote, QuotedString
+
+    texts = ",".join(QuotedString(text, Quote.double).with_quotes() for text in operands)
+    return [*(word for word in words if word not in operands), f"{_OPERANDS[name]}=[{texts}]"]
 
 
 def _with_given_cameras(word: str, scratch: Path, sweep: bool) -> str:

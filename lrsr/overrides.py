@@ -30,6 +30,7 @@ _PATHS = {
     "cache",
     "model",
     "roster",
+    "people",
     "map",
     "weights",
     "root",

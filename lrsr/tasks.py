@@ -51,6 +51,20 @@ def run_eval(config: "DictConfig") -> Path:
 run_demo = run_eval
 
 
+def run_score(config: "DictConfig") -> Path:
+    """Evaluate scores of files; see :mod:`lrsr.evaluation.score_files`.
+
+    Raises:
+        InputError: A setting is wrong, or a file holds no scores that can be evaluated.
+    """
+    from lrsr.experiments.scoring import Scoring
+
+    scoring = Scoring.from_config(config)
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return scoring.run(folder)
+
+
 def run_identities(config: "DictConfig") -> Path:
     """Check that people differ, or export them where ``export`` names a folder.
 

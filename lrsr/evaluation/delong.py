@@ -46,6 +46,9 @@ class AucEstimate:
             asked for or does not exist. See :mod:`lrsr.evaluation.subjects`.
         subject_low: Lower end of the Wald interval by it, cut to [0, 1].
         subject_high: Upper end of the same.
+        bootstrap_low: Lower end of the percentile interval of the bootstrap over people; None where
+            it was not asked for. See :mod:`lrsr.evaluation.bootstrap`.
+        bootstrap_high: Upper end of the same.
     """
 
     auc: float
@@ -62,6 +65,8 @@ class AucEstimate:
     subject_std: float | None = None
     subject_low: float | None = None
     subject_high: float | None = None
+    bootstrap_low: float | None = None
+    bootstrap_high: float | None = None
 
 
 @dataclass(frozen=True)
@@ -83,6 +88,10 @@ class AucComparison:
             asked for or does not exist.
         subject_low: Lower end of the Wald interval by it.
         subject_high: Upper end of the same.
+        bootstrap_low: Lower end of the percentile interval of the paired bootstrap over people;
+            None where it was not asked for.
+        bootstrap_high: Upper end of the same.
+        bootstrap_p: Two-sided p of no difference by the bootstrap.
     """
 
     difference: float
@@ -97,6 +106,9 @@ class AucComparison:
     subject_std: float | None = None
     subject_low: float | None = None
     subject_high: float | None = None
+    bootstrap_low: float | None = None
+    bootstrap_high: float | None = None
+    bootstrap_p: float | None = None
 
 
 def measure_auc(genuine: ArrayLike, impostor: ArrayLike) -> float:

@@ -40,6 +40,9 @@ class OperatingPoint:
         n_genuine: Genuine scores.
         n_impostor: Impostor scores.
         few_false_matches: Fewer than ten false matches are expected at the target: read with care.
+        bootstrap_low: Lower end of the FNMR's interval by the bootstrap over people, the threshold
+            set anew in every draw; None where it was not asked for.
+        bootstrap_high: Upper end of the same.
     """
 
     target_fmr: float
@@ -52,6 +55,8 @@ class OperatingPoint:
     n_genuine: int
     n_impostor: int
     few_false_matches: bool
+    bootstrap_low: float | None = None
+    bootstrap_high: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +82,10 @@ class CmcCurve:
 def equal_error_rate(curve: RocCurve) -> float:
     """Read off a curve the rate at which FMR and FNMR are equal, [0, 1].
 
-    It is where the two step functions of the threshold cross. If both jump there (genuine and
-    impostor scores tie), the rule of FVC2000 (Maio et al., IEEE TPAMI 24, 2002) is taken: of the
-    two thresholds on either side, the mean of FMR and FNMR at the one where their sum is less.
+    Where the FNMR jumps past the FMR, the rule of FVC2000 (Maio et al., IEEE TPAMI 24, 2002) is
+    taken, as pyeer and bob.measure do: of the two thresholds on either side, the mean of FMR and
+    FNMR at the one where their sum is less. Where only the FMR passes, in steps of one impostor
+    score, the FNMR is the answer, less than half such a step from that rule.
 
     Args:
         curve: Of :func:`lrsr.evaluation.roc.trace_roc_of`.
@@ -92,9 +98,7 @@ def equal_error_rate(curve: RocCurve) -> float:
     """
     after = int(np.argmax(curve.fmr >= curve.fnmr))
     (x0, y0), (x1, y1) = ((float(curve.fmr[k]), float(curve.fnmr[k])) for k in (after - 1, after))
-    if x1 == y1 or y0 == y1:
-        return y1
-    return x0 if x0 == x1 else min(x0 + y0, x1 + y1) / 2
+    return y1 if y1 in (x1, y0) else min(x0 + y0, x1 + y1) / 2
 
 
 class Rates:
@@ -111,7 +115,7 @@ class Rates:
     def __init__(self, source: ScoreSource, target_fmrs: Collection[float] = ()) -> None:
         self._targets = [plain_number(target, _TARGET) for target in target_fmrs]
         self._genuine = source.genuine()
-        most = len(source.probe_ids) * len(source.gallery_ids) - source.mates[0].size
+        most, self._crossed = source.n_pairs - source.mates[0].size, source.crossed
         passing = max((_allowed(target, most) for target in self._targets), default=-1)
         self._highest = _Highest(min(most, passing + 1), self._genuine.dtype)
         self._moments, self._ranks, self._failed = _Moments(), list[Ints](), list[bool]()
@@ -124,12 +128,13 @@ class Rates:
         self._moments.add(tile.impostors)
         if self._targets:
             self._highest.add(tile.impostors)
-        self._ranks.append(self._rank(tile))
+        if self._crossed:
+            self._ranks.append(self._rank(tile))
         self._failed.extend(np.atleast_1d(tile.absent.all(axis=1)))
 
     @property
     def fta(self) -> float:
-        """Failure-to-acquire rate: the share of probes without any score, [0, 1]."""
+        """Failure-to-acquire rate: the share of probes, or of listed pairs, without a score."""
         return sum(self._failed) / len(self._failed)
 
     def fnmr(self, level: float = 0.95) -> tuple[OperatingPoint, ...]:
@@ -168,12 +173,17 @@ class Rates:
         """
         return np.concatenate(self._ranks)
 
-    def cmc(self) -> CmcCurve:
+    def cmc(self) -> CmcCurve | None:
         """Measure how often a probe's person is among the first ranks of a closed gallery.
+
+        Returns:
+            None where pairs are listed: then nobody was looked for in a gallery.
 
         Raises:
             ScoreError: No probe has a mate in the gallery.
         """
+        if not self._crossed:
+            return None
         ranks, last = self.ranks(), self._people.size
         mated = ranks[ranks >= 0]
         if mated.size == 0:

@@ -6,10 +6,10 @@ ten thousand people need never hold the hundred million scores.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,10 +70,14 @@ class ScoreSource(ABC):
     A failure to acquire says that one of two images gave no embedding: never compared, but counted.
 
     Attributes:
+        crossed: Every probe is compared with the whole gallery; else row and column k are pair k.
+        people_known: The identities are those of people; else of unnamed pairs.
         probe_ids: P identities, one a row.
         gallery_ids: G identities, one a column.
     """
 
+    crossed: ClassVar[bool] = True
+    people_known: bool = True
     probe_ids: Sequence[str]
     gallery_ids: Sequence[str]
 
@@ -93,6 +97,20 @@ class ScoreSource(ABC):
     @abstractmethod
     def complete(self) -> bool:
         """Whether every pair has a score."""
+
+    @abstractmethod
+    def restricted(self, people: Collection[str]) -> Self:
+        """Return the scores of pairs both of whose people are among these."""
+
+    def _kept(self, people: Collection[str]) -> tuple[_Flags, _Flags]:
+        """Return which rows and columns show these people."""
+        chosen = list(people)
+        return np.isin(self.probe_ids, chosen), np.isin(self.gallery_ids, chosen)
+
+    @property
+    def n_pairs(self) -> int:
+        """How many pairs there are, failures among them."""
+        return len(self.probe_ids) * (len(self.gallery_ids) if self.crossed else 1)
 
     @cached_property
     def codes(self) -> tuple[Index, Index, int]:
@@ -201,6 +219,16 @@ class Scores(ScoreSource):
         """Return the score of each of :attr:`mates`, ``(q,)``, NaN among them."""
         return self.matrix[self.mates]
 
+    def restricted(self, people: Collection[str]) -> "Scores":
+        """Return the scores of pairs both of whose people are among these.
+
+        Raises:
+            ScoreError: There is no such pair.
+        """
+        rows, columns = self._kept(people)
+        ids = np.array(self.probe_ids)[rows], np.array(self.gallery_ids)[columns]
+        return Scores(self.matrix[np.ix_(rows, columns)], *(list(map(str, one)) for one in ids))
+
     @property
     def complete(self) -> bool:
         """Whether every pair has a score."""
@@ -267,6 +295,17 @@ class CosineScores(ScoreSource):
             pairs = self.probes[rows[part]].astype(np.float64) * self.gallery[columns[part]]
             scores[part] = pairs.sum(axis=1)
         return scores
+
+    def restricted(self, people: Collection[str]) -> "CosineScores":
+        """Return the scores of pairs both of whose people are among these.
+
+        Raises:
+            ScoreError: There is no such pair.
+        """
+        rows, columns = self._kept(people)
+        ids = np.array(self.probe_ids)[rows], np.array(self.gallery_ids)[columns]
+        names = (list(map(str, one)) for one in ids)
+        return CosineScores(self.probes[rows], self.gallery[columns], *names)
 
     @property
     def complete(self) -> bool:

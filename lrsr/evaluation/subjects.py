@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.arrays import Array
+from lrsr.evaluation.bootstrap import Draws, Resampled
 from lrsr.evaluation.placements import Classes, Ints, Placements
 from lrsr.evaluation.scores import Index, ScoreSource, Tile
 
@@ -29,19 +30,27 @@ class Tally:
     Args:
         source: Who is on the probes and in the gallery.
         mated_scores: ``(q,)`` of the mated pairs; NaN where one is not to be compared.
+        draws: Of :func:`lrsr.evaluation.bootstrap.draw_people`; None: no bootstrap.
 
     Attributes:
         placements: The genuine scores that are compared, and the impostor scores so far.
+        resampled: The same under every draw of people, if there are draws.
 
     Raises:
         ScoreError: There is no genuine score.
     """
 
-    def __init__(self, source: ScoreSource, mated_scores: Array) -> None:
+    def __init__(
+        self, source: ScoreSource, mated_scores: Array, draws: Draws | None = None
+    ) -> None:
         compared = ~np.isnan(mated_scores)
         self.placements = Placements(mated_scores[compared])
         self._probes, self._gallery, people = source.codes
+        self._crossed = source.crossed
         self._who = self._probes[source.mates[0][compared]]
+        self.resampled: Resampled | None = None
+        if draws is not None:
+            self.resampled = Resampled(self.placements, self._who, source, draws)
         self._mine = np.bincount(self._who, minlength=people)
         self._theirs, self._lost, self._overlap = (np.zeros(people, np.int64) for _ in range(3))
         # Each person's genuine scores by class, every one as two halves: one above the impostor
@@ -69,9 +78,14 @@ class Tally:
         self.placements.count(classes)
         self.placements.sizes[-1] -= others.size
         above = self.placements.of_impostor(classes)
+        if self.resampled is not None:
+            self.resampled.add(tile.rows, classes, others)
         rows, columns = np.divmod(others, classes.shape[1])
         self._add_side(self._probes[tile.rows], rows, classes, above)
-        self._add_side(self._gallery, columns, classes.T, above.T)
+        if self._crossed:
+            self._add_side(self._gallery, columns, classes.T, above.T)
+        else:
+            self._add_side(self._gallery[tile.rows], rows, classes, above)
         return above
 
     def areas(self) -> _Floats:

@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from lrsr.errors import ScoreError
+from lrsr.evaluation.bootstrap import Draws, draw_people, percentiles, two_sided_p
 from lrsr.evaluation.delong import (
     AucComparison,
     AucEstimate,
@@ -23,7 +24,7 @@ from lrsr.evaluation.delong import (
 )
 from lrsr.evaluation.placements import Ints
 from lrsr.evaluation.rates import CmcCurve, OperatingPoint, Rates, equal_error_rate
-from lrsr.evaluation.roc import RocCurve, trace_roc_of
+from lrsr.evaluation.roc import PartialArea, RocCurve, partial_area, trace_roc_of
 from lrsr.evaluation.scores import ScoreSource, Tile
 from lrsr.evaluation.subjects import Tally, jackknife_std
 
@@ -40,7 +41,9 @@ class Summary:
         curve: The whole ROC curve; :func:`lrsr.evaluation.roc.band` puts a band round it.
         eer: Equal error rate.
         d_prime: Distance of the means over the pooled deviation.
-        cmc: How often the right person is among the first ranks.
+        partial: Areas at FMRs up to each target.
+        cmc: How often the right person is among the first ranks; None: nobody was looked for in a
+            gallery, as pairs are listed.
         fta: Share of the probes without a score.
         fnmr: FNMR at each of the target FMRs, with the FMR that was achieved.
     """
@@ -49,7 +52,8 @@ class Summary:
     curve: RocCurve
     eer: float
     d_prime: float
-    cmc: CmcCurve
+    partial: tuple[PartialArea, ...]
+    cmc: CmcCurve | None
     fta: float
     fnmr: tuple[OperatingPoint, ...]
 
@@ -73,6 +77,8 @@ def summarise(
     pairs: Collection[Pair] | None = None,
     level: float = 0.95,
     target_fmrs: Collection[float] = (1e-1, 1e-2, 1e-3),
+    bootstrap: int = 0,
+    seed: int = 0,
 ) -> Evaluation:
     """Evaluate methods on the same probes and gallery, and test pairs of them against each other.
 
@@ -86,6 +92,9 @@ def summarise(
         pairs: Which methods are compared; None: every one with all before it.
         level: Confidence level of all intervals, in (0, 1).
         target_fmrs: Where the FNMR is measured, each in [0, 1]; may be empty.
+        bootstrap: Draws of people for the bootstrap's intervals; 0: none. A draw costs about 3 ns a
+            pair and, a method, 24 bytes a genuine score.
+        seed: Of the draws.
 
     Raises:
         ScoreError: No method, methods with different probes or gallery, fewer than two genuine or
@@ -118,7 +127,8 @@ def summarise(
     for name in itertools.chain.from_iterable(pairs):
         if name not in methods:
             raise ScoreError(f"no method {name!r} to compare: choose of {', '.join(methods)}")
-    passes = {name: _Method(name, source, target_fmrs) for name, source in methods.items()}
+    draws = draw_people(first, bootstrap, seed) if bootstrap and first.people_known else None
+    passes = {name: _Method(name, source, target_fmrs, draws) for name, source in methods.items()}
     tests = {(a, b): _Test(passes[a], passes[b]) for a, b in pairs}
     for tiles in zip(*(source.tiles() for source in methods.values()), strict=True):
         tile_of = dict(zip(methods, tiles, strict=True))
@@ -134,11 +144,18 @@ def summarise(
 class _Method:
     """Gathers what the measures of one method need."""
 
-    def __init__(self, name: str, source: ScoreSource, target_fmrs: Collection[float]) -> None:
+    def __init__(
+        self,
+        name: str,
+        source: ScoreSource,
+        target_fmrs: Collection[float],
+        draws: Draws | None,
+    ) -> None:
         self.name, self.source, self.mated_scores = name, source, source.mated_scores()
+        self.draws, self._targets = draws, [float(target) for target in target_fmrs]
         self._rates = Rates(source, target_fmrs)
         with _named(name):
-            self.tally = Tally(source, self.mated_scores)
+            self.tally = Tally(source, self.mated_scores, draws)
 
     def add(self, tile: Tile) -> Ints:
         """Take the next tile; return the placements of its impostor scores."""
@@ -150,14 +167,26 @@ class _Method:
             area = estimate_auc_of(self.tally.placements, level)
             curve = trace_roc_of(self.tally.placements)
             return Summary(
-                area=_with_subjects(area, area.auc, [self.tally], (0.0, 1.0)),
+                area=self._with_subjects(area),
                 curve=curve,
                 eer=equal_error_rate(curve),
                 d_prime=self._rates.d_prime(),
+                partial=tuple(partial_area(curve, fmr) for fmr in self._targets if 0 < fmr < 1),
                 cmc=self._rates.cmc(),
                 fta=self._rates.fta,
-                fnmr=self._rates.fnmr(level),
+                fnmr=tuple(self._with_draws(point, level) for point in self._rates.fnmr(level)),
             )
+
+    def _with_subjects(self, area: AucEstimate) -> AucEstimate:
+        if not self.source.people_known:
+            return area
+        return _with_subjects(area, area.auc, [self.tally], (0.0, 1.0))
+
+    def _with_draws(self, point: OperatingPoint, level: float) -> OperatingPoint:
+        if self.tally.resampled is None:
+            return point
+        low, high = percentiles(self.tally.resampled.fnmr(point.target_fmr), level)
+        return replace(point, bootstrap_low=low, bootstrap_high=high)
 
 
 class _Test:
@@ -166,12 +195,13 @@ class _Test:
     def __init__(self, a: _Method, b: _Method) -> None:
         self._name, self._sums = f"{a.name} against {b.name}", DifferenceSums()
         self._tallies = [a.tally, b.tally]
+        self._people_known = a.source.people_known
         self._shared = a.source.complete and b.source.complete
         if not self._shared:
             fails = np.isnan(a.mated_scores) | np.isnan(b.mated_scores)
             with _named(self._name):
                 self._tallies = [
-                    Tally(method.source, np.where(fails, np.nan, method.mated_scores))
+                    Tally(method.source, np.where(fails, np.nan, method.mated_scores), a.draws)
                     for method in (a, b)
                 ]
 
@@ -188,13 +218,22 @@ class _Test:
         a, b = self._tallies
         with _named(self._name):
             test = self._sums.compare(a.placements, b.placements, level)
-        return _with_subjects(test, test.difference, self._tallies, (-1.0, 1.0))
+        if not self._people_known:
+            return test
+        test = _with_subjects(test, test.difference, self._tallies, (-1.0, 1.0))
+        if a.resampled is None or b.resampled is None:
+            return test
+        return replace(test, bootstrap_p=two_sided_p(a.resampled.areas() - b.resampled.areas()))
 
 
 def _with_subjects(
     result: _Result, value: float, tallies: Sequence[Tally], limits: tuple[float, float]
 ) -> _Result:
-    """Add the interval of the jackknife over people, where there are enough of them."""
+    """Add the intervals over people, of jackknife and bootstrap, where there are enough of them."""
+    drawn = [tally.resampled.areas() for tally in tallies if tally.resampled is not None]
+    if drawn:
+        low, high = percentiles(drawn[0] - drawn[1] if len(drawn) > 1 else drawn[0], result.level)
+        result = replace(result, bootstrap_low=low, bootstrap_high=high)
     try:
         areas = [tally.areas() for tally in tallies]
     except ScoreError:

@@ -10,14 +10,18 @@ from lrsr.camera.codec import COMPRESSIONS
 from lrsr.configuration import (
     as_mapping,
     as_word,
+    flag,
     number,
     numbered,
     numbers,
     require,
     seed_of,
+    whole_number,
     whole_numbers,
     words,
 )
+from lrsr.evaluation.calibrators import CALIBRATORS
+from lrsr.experiments.asked import Asked
 from lrsr.identities.roster import IdentityRange
 from lrsr.paths import path_if_any
 from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality
@@ -96,6 +100,10 @@ class Design:
         recognition: How faces are found, aligned and embedded.
         probes_folder: Photographs in place of rendered probes, under the one condition given.
         gallery_folder: Photographs in place of rendered enrolled pictures.
+        bootstrap: Draws of people for the intervals over people; 0: none.
+        save_scores: Write every score down.
+        calibration: Of the likelihood ratios, one of
+            :data:`lrsr.evaluation.calibrators.CALIBRATORS`.
 
     Raises:
         InputError: A number is out of its range, or the camera has a lens of its own besides a
@@ -115,6 +123,9 @@ class Design:
     recognition: RecognitionSettings = field(default_factory=RecognitionSettings)
     probes_folder: Path | None = None
     gallery_folder: Path | None = None
+    bootstrap: int = 0
+    save_scores: bool = True
+    calibration: str = "logistic"
 
     def __post_init__(self) -> None:
         count = self.people.count
@@ -126,6 +137,9 @@ class Design:
             self.camera.check_lens(lens.name, pinhole=lens.is_pinhole)
         require(len(self.upscalers) > 0, "methods", [], "at least one")
         require(0 < self.level < 1, "level", self.level, "between 0 and 1")
+        require(self.bootstrap >= 0, "bootstrap", self.bootstrap, "0 or more draws")
+        known = f"one of {', '.join(CALIBRATORS)}"
+        require(self.calibration in CALIBRATORS, "calibration", self.calibration, known)
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:
@@ -151,7 +165,15 @@ class Design:
             recognition=RecognitionSettings.from_config(config),
             probes_folder=probes,
             gallery_folder=path_if_any(config.gallery.folder, "gallery.folder"),
+            bootstrap=whole_number(config, "bootstrap"),
+            save_scores=flag(config, "save_scores"),
+            calibration=as_word(config.calibration, "calibration"),
         )
+
+    @property
+    def asked(self) -> Asked:
+        """How further results are found."""
+        return Asked(self.level, self.bootstrap, self.seed, self.calibration)
 
     def describe(self) -> dict[str, Any]:
         """Return all of it in plain values, for ``results.json``."""
@@ -168,6 +190,8 @@ class Design:
             "gallery": self.gallery.describe(),
             "camera": self.camera.name,
             "level": self.level,
+            "bootstrap": self.bootstrap,
+            "calibration": self.calibration,
             "seed": self.seed,
             "probes_folder": None if self.probes_folder is None else str(self.probes_folder),
             "gallery_folder": None if self.gallery_folder is None else str(self.gallery_folder),

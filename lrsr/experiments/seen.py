@@ -34,6 +34,7 @@ class Seen:
         self._finder = finder
         self._embeddings: dict[Landmarks, list[_Floats]] = {one: [] for one in landmarks}
         self._errors: list[_Floats] = []
+        self._scores: list[_Floats] = []
         self.decibels: list[float] = []
 
     def joined(self, landmarks: Landmarks) -> NDArray[np.float64]:
@@ -47,6 +48,11 @@ class Seen:
         NaN where no face was looked for or found, or the true landmarks are not known.
         """
         return np.concatenate(self._errors)
+
+    @property
+    def qualities(self) -> dict[str, list[float]]:
+        """Return measures of each picture by name: what the detector was sure of, NaN for none."""
+        return {"detector score": np.concatenate(self._scores).tolist()}
 
     def look(
         self,
@@ -68,18 +74,20 @@ class Seen:
             alike.setdefault(picture.image.shape, []).append(number)
         order = np.argsort(np.concatenate([*alike.values()]))
         parts: dict[Landmarks, list[_Floats]] = {one: [] for one in self._embeddings}
-        errors: list[_Floats] = []
+        found: list[tuple[_Floats, _Floats]] = []
         decibels = np.empty(0 if true is None else len(true))
         for members in alike.values():
             images, known = stack([pictures[i] for i in members])
             enlarged, points = upscaler(images), scale_points(known, upscaler.scale).numpy()
-            errors.append(self._embed(engine, enlarged, points, parts))
+            found.append(self._embed(engine, enlarged, points, parts))
             if true is not None:
                 references = stack([true[i] for i in members])[0].numpy()
                 decibels[members] = psnr_y(enlarged.numpy(), references, shave=upscaler.scale)
         for landmarks, rows in parts.items():
             self._embeddings[landmarks].append(np.concatenate(rows)[order])
-        self._errors.append(np.concatenate(errors)[order])
+        errors, scores = (np.concatenate(some)[order] for some in zip(*found, strict=True))
+        self._errors.append(errors)
+        self._scores.append(scores)
         self.decibels += decibels.tolist()
 
     def _embed(
@@ -88,12 +96,12 @@ class Seen:
         images: torch.Tensor,
         points: NDArray[np.float32],
         parts: dict[Landmarks, list[_Floats]],
-    ) -> _Floats:
-        """Add embeddings of one batch; return the errors of the landmarks found."""
+    ) -> tuple[_Floats, _Floats]:
+        """Add embeddings of one batch; return the errors of the landmarks found, and scores."""
         if "shared" in parts:
             parts["shared"].append(engine.embed(images, points))
         if self._finder is None:
-            return np.full(len(images), np.nan)
+            return np.full(len(images), np.nan), np.full(len(images), np.nan)
         faces = self._finder(images)
         parts["own"].append(engine.embed(images, faces.landmarks_px, faces.boxes_px))
-        return landmark_errors(faces.landmarks_px, points)
+        return landmark_errors(faces.landmarks_px, points), faces.scores

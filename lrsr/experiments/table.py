@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, fields
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import AucComparison, AucEstimate
-from lrsr.evaluation.roc import RocCurve
+from lrsr.evaluation.multiplicity import holm_adjusted
 from lrsr.evaluation.scores import ScoreSource
 from lrsr.evaluation.summary import Evaluation, Summary, summarise
 from lrsr.experiments.design import Condition, Design
@@ -26,7 +27,10 @@ WRONG_PLACE_IPDS = 0.25
 
 _UNTOLD = ("wald_leaves_range", "degenerate")
 _AREA = tuple(one.name for one in fields(AucEstimate) if one.name not in _UNTOLD)
-_TOLD = ("difference", "low", "high", "subject_low", "subject_high", "z", "p", "log10_p")
+_TOLD = (
+    *("difference", "low", "high", "subject_low", "subject_high"),
+    *("bootstrap_low", "bootstrap_high", "z", "p", "log10_p", "bootstrap_p"),
+)
 
 
 def evaluate(
@@ -36,7 +40,7 @@ def evaluate(
     decibels: Mapping[str, Sequence[float]],
     landmarks: Landmarks = "shared",
     errors: Mapping[str, ArrayLike] | None = None,
-) -> tuple[list[Record], list[Record], dict[str, RocCurve]]:
+) -> tuple[list[Record], list[Record], Mapping[str, Summary]]:
     """Evaluate all methods under one condition with landmarks of one source, and test pairs.
 
     Args:
@@ -49,7 +53,7 @@ def evaluate(
             face was found or the true ones are not known.
 
     Returns:
-        A row a method, the paired tests, and the ROC curve of each method. A row names experiment,
+        A row a method, the paired tests, and the summary of each method. A row names experiment,
         option, ipd_px, pose, lighting and compression of the probe (empty or None where a
         photograph's are not known), method, label and landmarks; holds the numbers of
         :class:`~lrsr.evaluation.delong.AucEstimate`; psnr_y_db (mean over the
@@ -66,7 +70,7 @@ def evaluate(
         ScoreError: Fewer than two genuine or impostor scores are left, although nothing failed.
     """
     pairs = _rivals(design.upscalers)
-    found = _measure(scores, pairs, design.level)
+    found = _measure(scores, pairs, design)
     rows = []
     for method, source in scores.items():
         summary = found.summaries.get(method)
@@ -80,19 +84,26 @@ def evaluate(
         for pair in pairs
         if pair in found.comparisons
     ]
-    return rows, tests, {method: summary.curve for method, summary in found.summaries.items()}
+    return rows, tests, found.summaries
+
+
+def with_holm(tests: Sequence[Record]) -> list[Record]:
+    """Return tests with ``p_holm``, adjusted for all of them together."""
+    adjusted = holm_adjusted([test["p"] for test in tests])
+    return [{**test, "p_holm": p} for test, p in zip(tests, adjusted, strict=True)]
 
 
 def _measure(
-    scores: Mapping[str, ScoreSource], pairs: Sequence[tuple[str, str]], level: float
+    scores: Mapping[str, ScoreSource], pairs: Sequence[tuple[str, str]], design: Design
 ) -> Evaluation:
     """Summarise all methods, or those of which enough was acquired.
 
     Raises:
         ScoreError: Nothing failed to be acquired, and there are too few scores all the same.
     """
+    measure = partial(summarise, level=design.level, bootstrap=design.bootstrap, seed=design.seed)
     try:
-        return summarise(scores, pairs=pairs, level=level)
+        return measure(scores, pairs=pairs)
     except ScoreError:
         if all(source.complete for source in scores.values()):
             raise
@@ -100,11 +111,11 @@ def _measure(
     comparisons: dict[tuple[str, str], AucComparison] = {}
     for method, source in scores.items():
         with suppress(ScoreError):
-            summaries |= summarise({method: source}, pairs=(), level=level).summaries
+            summaries |= measure({method: source}, pairs=()).summaries
     for pair in pairs:
         both = {method: scores[method] for method in pair if method in summaries}
         with suppress(ScoreError):
-            comparisons |= summarise(both, pairs=[pair], level=level).comparisons
+            comparisons |= measure(both, pairs=[pair]).comparisons
     return Evaluation(summaries, comparisons)
 
 
@@ -140,14 +151,23 @@ def _names(design: Design, condition: Condition, method: str, landmarks: Landmar
 
 
 def _numbers(summary: Summary) -> Record:
+    return {**area_record(summary.area), "psnr_y_db": None, **rates_record(summary)}
+
+
+def area_record(area: AucEstimate) -> Record:
+    """Return what a row says of the area under the ROC curve."""
+    return {name: getattr(area, name) for name in _AREA}
+
+
+def rates_record(summary: Summary) -> Record:
+    """Return what a row says of error rates."""
     return {
-        **{name: getattr(summary.area, name) for name in _AREA},
-        "psnr_y_db": None,
         "fta": summary.fta,
         "eer": summary.eer,
         "d_prime": summary.d_prime,
-        "rank_1": summary.cmc.rank_1,
+        "rank_1": None if summary.cmc is None else summary.cmc.rank_1,
         "fnmr": [asdict(point) for point in summary.fnmr],
+        "partial_auc": [asdict(area) for area in summary.partial],
     }
 
 
@@ -162,6 +182,7 @@ def _counts(source: ScoreSource) -> Record:
         "fta": float(np.concatenate(failed).mean()),
         **dict.fromkeys(("eer", "d_prime", "rank_1")),
         "fnmr": [],
+        "partial_auc": [],
     }
 
 
@@ -181,9 +202,14 @@ def _comparison(
 ) -> Record:
     method, against = pair
     names = {"option": condition.option, "ipd_px": condition.ipd_px, "landmarks": landmarks}
-    numbers = {name: _finite(getattr(test, name)) for name in _TOLD}
-    return {**names, "method": method, "against": against, **numbers}
+    return {**names, "method": method, "against": against, **comparison_record(test)}
+
+
+def comparison_record(test: AucComparison) -> Record:
+    """Return the numbers of a paired test, None for those that are infinite."""
+    return {name: _finite(getattr(test, name)) for name in _TOLD}
 
 
 def _finite(value: float | None) -> float | None:
+    """Return a number as JSON has it; None for one that is infinite."""
     return float(value) if value is not None and math.isfinite(value) else None

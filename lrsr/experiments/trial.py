@@ -1,7 +1,7 @@
 """A verification experiment under way: rendered, photographed, enlarged, embedded and scored."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import torch
@@ -9,8 +9,12 @@ import torch
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.evaluation.roc import RocCurve
+from lrsr.evaluation.score_files.system import Name, System
+from lrsr.evaluation.score_files.writing import ScoreFile
 from lrsr.evaluation.scores import CosineScores
 from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.further import NAMES, Further, look_further
+from lrsr.experiments.labels import Labels, labels_of, labels_of_entry
 from lrsr.experiments.report.page import Panel
 from lrsr.experiments.seen import Seen
 from lrsr.experiments.table import Record, evaluate
@@ -47,12 +51,14 @@ class Outcome:
             :func:`lrsr.experiments.table.evaluate`.
         comparisons: Each method against the picture as it is and against its bicubic, with
             landmarks of the same source.
+        further: Likelihood ratios, groups and quality, likewise.
         panel: ROC curves of each method, and the first people, by column: "Gallery", "Probe", each
             method's label, "Reference"; photographs of several sizes are not shown.
     """
 
     rows: Sequence[Record]
     comparisons: Sequence[Record]
+    further: Sequence[Further]
     panel: Panel
 
 
@@ -116,15 +122,19 @@ class Trial:
     def _rendered(self, recipes: Sequence[Recipe], camera: Camera) -> Source:
         return Rendered(recipes, camera, self.cache, self.maker, self.progress)
 
-    def outcomes(self) -> Iterator[Outcome]:
-        """Score one condition after the other; what is not rendered yet is rendered."""
+    def outcomes(self, table: ScoreFile | None = None) -> Iterator[Outcome]:
+        """Score one condition after the other; what is not rendered yet is rendered.
+
+        Args:
+            table: Where all scores go, too.
+        """
         gallery = self.gallery()
         enrolled, as_it_is = self._nothing_seen(), Bicubic(1)
         for _, some in chunks(gallery):
             enrolled.look(self.engine, some, as_it_is)
         shown = gallery.load(0, _SHOWN)
         for condition in self.design.conditions:
-            yield self._outcome(condition, gallery, enrolled, shown)
+            yield self._outcome(condition, gallery, enrolled, shown, table)
 
     @cached_property
     def landmarks(self) -> tuple[Landmarks, ...]:
@@ -148,36 +158,85 @@ class Trial:
         return Seen(self.landmarks, self.finder if "own" in self.landmarks else None)
 
     def _outcome(
-        self, condition: Condition, gallery: Source, enrolled: Seen, shown: Sequence[Picture]
+        self,
+        condition: Condition,
+        gallery: Source,
+        enrolled: Seen,
+        shown: Sequence[Picture],
+        table: ScoreFile | None,
     ) -> Outcome:
         probes, upscalers = self.probes(condition), self.design.upscalers
         references = {scale: self.references(condition, scale) for scale in self._scales}
         seen = {method: self._nothing_seen() for method in upscalers}
+        people: dict[str, Labels] = {}
         for place, some in chunks(probes):
             true = {
                 scale: source.load(place.start, place.stop)
                 for scale, source in references.items()
                 if source is not None
             }
+            people |= {one.identity_id: labels_of(one.traits) for one in some if one.traits}
             for method, upscaler in upscalers.items():
                 seen[method].look(self.engine, some, upscaler, true.get(upscaler.scale))
-        ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
-        decibels = {method: one.decibels for method, one in seen.items()}
-        rows, comparisons = [], []
+        if isinstance(probes, Photographs):
+            people = {entry.identity_id: labels_of_entry(entry) for entry in probes.entries}
+        rows: list[Record] = []
+        comparisons: list[Record] = []
+        further: list[Further] = []
         curves: dict[str, Mapping[str, RocCurve]] = {}
+        decibels = {method: one.decibels for method, one in seen.items()}
         for landmarks in self.landmarks:
-            scores = {
-                method: CosineScores(one.joined(landmarks), enrolled.joined(landmarks), *ids)
-                for method, one in seen.items()
-            }
+            systems = self._systems(landmarks, seen, enrolled, probes, gallery)
+            if table is not None:
+                for method, system in systems.items():
+                    table.add(self._system_name(condition, method, landmarks), system)
+            scores = {method: system.source for method, system in systems.items()}
             errors = {name: one.errors if landmarks == "own" else () for name, one in seen.items()}
-            found = evaluate(self.design, condition, scores, decibels, landmarks, errors)
-            rows += found[0]
-            comparisons += found[1]
-            curves[landmarks] = {upscalers[name].label: one for name, one in found[2].items()}
+            told, tests, summaries = evaluate(
+                self.design, condition, scores, decibels, landmarks, errors
+            )
+            about = {row["method"]: {name: row[name] for name in NAMES} for row in told}
+            rows, comparisons = rows + told, comparisons + tests
+            further.append(look_further(self.design.asked, about, systems, summaries, people))
+            curves[landmarks] = {
+                upscalers[name].label: summary.curve for name, summary in summaries.items()
+            }
+        figures = [
+            replace(figure, caption=f"{landmarks.capitalize()} landmarks. {figure.caption}")
+            if len(self.landmarks) > 1
+            else figure
+            for landmarks, one in zip(self.landmarks, further, strict=True)
+            for figure in one.figures
+        ]
         pictures = self._pictures(probes, references, shown)
-        panel = Panel(condition.title, curves, pictures, ids[0][:_SHOWN])
-        return Outcome(rows, comparisons, panel)
+        shown_people = tuple(probes.identity_ids)[:_SHOWN]
+        panel = Panel(condition.title, curves, pictures, shown_people, figures)
+        return Outcome(rows, comparisons, further, panel)
+
+    def _systems(
+        self,
+        landmarks: Landmarks,
+        seen: Mapping[str, Seen],
+        enrolled: Seen,
+        probes: Source,
+        gallery: Source,
+    ) -> dict[str, System]:
+        """Return the scores of each method with landmarks of one source."""
+        ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
+        return {
+            method: System(
+                CosineScores(one.joined(landmarks), enrolled.joined(landmarks), *ids),
+                probes.names,
+                gallery.names,
+                one.qualities if landmarks == "own" else {},
+            )
+            for method, one in seen.items()
+        }
+
+    def _system_name(self, condition: Condition, method: str, landmarks: Landmarks) -> Name:
+        size = "" if condition.ipd_px is None else f"{condition.ipd_px:g}"
+        recogniser = self.engine.embedder.model.stem
+        return Name(str(condition.option), size, method, landmarks, recogniser)
 
     def _pictures(
         self,

@@ -1,15 +1,18 @@
 """Does this way of enlarging help to tell people apart, and under which conditions?"""
 
 import logging
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
+from lrsr.evaluation.score_files.writing import score_file
 from lrsr.experiments.design import Design
+from lrsr.experiments.further import gather
 from lrsr.experiments.report.page import write_report
 from lrsr.experiments.report.sheets import draw_contact_sheet
-from lrsr.experiments.table import Record
+from lrsr.experiments.table import Record, with_holm
 from lrsr.experiments.trial import Outcome, Trial
 from lrsr.files import write_bytes, write_json
 from lrsr.pictures.cache import RenderCache
@@ -28,7 +31,8 @@ _DONE = (
     "PSNR is that of BT.601 studio luminance, with as many pixels shaved as the factor, averaged "
     "over images.",
     "Base is not free of interpolation: alignment enlarges it bilinearly to 112 pixels.",
-    "Intervals are DeLong's; tests are paired, on the same pairs of pictures.",
+    "Intervals are DeLong's; tests are paired, on the same pairs of pictures. Beside them stands "
+    "the bootstrap: whole people drawn with replacement, the same draws for all methods.",
 )
 _LANDMARKS = {
     "shared": "Shared landmarks: all methods have the true ones, scaled, so that no difference "
@@ -55,10 +59,10 @@ class Verification(Design):
         maker: Maker | None = None,
         progress: bool = True,
     ) -> Path:
-        """Write ``results.json``, ``report.html`` and ``faces_1.png``, ... into ``folder``.
+        """Write ``results.json``, ``report.html``, ``scores.csv`` and ``faces_1.png``, ... .
 
         Args:
-            folder: Of the run.
+            folder: Of the run; all goes into it.
             cache: Where renderings are kept.
             maker: Renders; Mitsuba when None.
             progress: Show bars on stderr.
@@ -71,12 +75,15 @@ class Verification(Design):
         trial = Trial(self, cache, engine, maker, finder, progress=progress)
         landmarks = trial.landmarks  # refused before anything is rendered
         trial.render()
-        conditions = len(self.conditions)
-        bar = tqdm(trial.outcomes(), "scoring", conditions, unit="condition", disable=not progress)
-        outcomes = list(bar)
+        with score_file(folder) if self.save_scores else nullcontext() as table:
+            scored, total = trial.outcomes(table), len(self.conditions)
+            outcomes = list(tqdm(scored, "scoring", total, unit="condition", disable=not progress))
         results: dict[str, Any] = {
             "rows": [row for outcome in outcomes for row in outcome.rows],
-            "comparisons": [test for outcome in outcomes for test in outcome.comparisons],
+            "comparisons": with_holm(
+                [test for outcome in outcomes for test in outcome.comparisons]
+            ),
+            **gather([one for outcome in outcomes for one in outcome.further]),
             "config": self.describe(),
             "recognition": {
                 **engine.describe(),

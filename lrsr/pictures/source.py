@@ -37,6 +37,11 @@ class Rendered:
         """Who each picture shows."""
         return [recipe.person.id for recipe in self.recipes]
 
+    @property
+    def names(self) -> Sequence[str]:
+        """What each picture is called: after its person, of whom there is one."""
+        return self.identity_ids
+
     def load(self, start: int, stop: int) -> list[Picture]:
         """Return the pictures ``start`` to ``stop - 1``; what is not rendered yet is rendered.
 
@@ -67,6 +72,11 @@ class Photographs:
     def identity_ids(self) -> Sequence[str]:
         """Who each picture shows."""
         return [entry.identity_id for entry in self.entries]
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The file of each picture."""
+        return [entry.file for entry in self.entries]
 
     def load(self, start: int, stop: int) -> list[Picture]:
         """Read the pictures ``start`` to ``stop - 1``.

@@ -31,6 +31,7 @@ COMMANDS = {
     "render-lens": ["lens=double_gauss", "lighting=above", "out=pictures"],
     "render-spectral": ["camera=nikon_d5100", "out=pictures"],
     "eval": ["options=[1,6]"],
+    "score": ["files=[scores.csv]"],
     "identities": [],
     "identities-export": ["export=meshes"],
     "fit-camera": ["images=."],
@@ -62,6 +63,8 @@ WORD, LIST, NAMES, NUMBER = "no-such-word", [1, 2], {"a": 1}, 7
 RIGHT: dict[str, list[Any]] = {
     "standpoint.distance_m": [None],
     "standpoint.height_m": [None],
+    "files": [WORD],  # one is a list of one
+    "quality": [WORD],
     "camera.stored.qualities": [LIST],  # compressed twice
 }
 
@@ -87,6 +90,7 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         "calibration.from_pictures.fit_to_folder",
         "experiments.verification.Verification.run",
         "experiments.people.Uniqueness.run",
+        "experiments.scoring.Scoring.run",
         "pictures.export.export_to_folder",
     ):
         monkeypatch.setattr(f"lrsr.{last}", stop)
@@ -155,7 +159,8 @@ def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
     name = command if command == "fit-camera" else command.split("-")[0]
     count = 20 if command == "fit-camera" else 2
     with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        config = compose(name, [*COMMANDS[command], f"identities.count={count}"])
+        people = [] if command == "score" else [f"identities.count={count}"]
+        config = compose(name, [*COMMANDS[command], *people])
     plain: Any = OmegaConf.to_container(config, resolve=False)
     assert attempt(command, copy.deepcopy(plain), "") is None
     skipped = UNREAD.get(command, set()) | OF_OTHERS

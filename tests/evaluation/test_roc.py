@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from oracles import auc as oracle
 from scipy.stats import binomtest, norm
-from sklearn.metrics import roc_curve
+from sklearn.metrics import roc_auc_score, roc_curve
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.delong import measure_auc
@@ -18,6 +18,7 @@ from lrsr.evaluation.placements import Placements
 from lrsr.evaluation.roc import (
     RocCurve,
     band,
+    partial_area,
     trace_roc_of,
     wilson_interval,
 )
@@ -213,3 +214,24 @@ def test_a_band_of_level_one_is_refused() -> None:
 def test_impossible_proportions_are_refused(successes: int, trials: int) -> None:
     with pytest.raises(ScoreError, match="successes"):
         wilson_interval(successes, trials)
+
+
+@pytest.mark.parametrize("end", [0.05, 0.3, 1.0])
+def test_standardised_partial_area_is_that_of_scikit_learn(end: float) -> None:
+    rng = np.random.default_rng(0)
+    genuine, impostor = rng.normal(1, 1, 40).round(1), rng.normal(0, 1, 300).round(1)
+    found = partial_area(trace_roc(genuine, impostor), end)
+    truth = np.append(np.ones(40), np.zeros(300))
+    wanted = roc_auc_score(truth, np.append(genuine, impostor), max_fpr=end)
+    assert found.standardised == pytest.approx(wanted, abs=1e-12)
+
+
+def test_whole_partial_area_is_the_area() -> None:
+    curve = trace_roc([2, 4, 4], [1, 3, 4])
+    assert partial_area(curve, 1).area == pytest.approx(curve.auc, abs=1e-12)
+
+
+@pytest.mark.parametrize("end", [0, 1.5])
+def test_a_partial_area_to_nowhere_is_refused(end: float) -> None:
+    with pytest.raises(ScoreError, match="largest FMR"):
+        partial_area(trace_roc([2, 4], [1, 3]), end)

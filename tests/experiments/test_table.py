@@ -9,7 +9,7 @@ from lrsr.camera import Camera
 from lrsr.errors import ScoreError
 from lrsr.evaluation.scores import Scores
 from lrsr.experiments.design import Condition, Design
-from lrsr.experiments.table import Record, evaluate
+from lrsr.experiments.table import Record, evaluate, with_holm
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.sitting import Sitting
 from lrsr.presets import preset
@@ -127,13 +127,15 @@ def test_rows_and_comparisons_have_the_fields_of_the_results_file() -> None:
     assert list(row(scored(0.3))) == [
         "experiment", "option", "ipd_px", "pose", "lighting", "compression", "method", "label",
         "landmarks", "auc", "std", "low", "high", "n_genuine", "n_impostor", "level", "logit_low",
-        "logit_high", "subject_std", "subject_low", "subject_high", "psnr_y_db", "fta", "eer",
-        "d_prime", "rank_1", "fnmr", "wrong_place",
+        "logit_high", "subject_std", "subject_low", "subject_high", "bootstrap_low",
+        "bootstrap_high", "psnr_y_db", "fta", "eer", "d_prime", "rank_1", "fnmr", "partial_auc",
+        "wrong_place",
     ]  # fmt: skip
     (comparison,) = compared({"base": scored(0.1), "srcnn4": scored(0.9)})
     assert list(comparison) == [
         "option", "ipd_px", "landmarks", "method", "against", "difference", "low", "high",
-        "subject_low", "subject_high", "z", "p", "log10_p",
+        "subject_low", "subject_high", "bootstrap_low", "bootstrap_high", "z", "p", "log10_p",
+        "bootstrap_p",
     ]  # fmt: skip
 
 
@@ -142,6 +144,11 @@ def test_an_infinite_z_is_none() -> None:
     (comparison,) = compared({"base": scored(-9.0), "srcnn4": scored(9.0)})
     assert (comparison["difference"], comparison["p"]) == (1.0, 0.0)
     assert comparison["z"] is comparison["log10_p"] is None
+
+
+def test_tests_are_adjusted_for_all_of_them() -> None:
+    found = with_holm([{"p": 0.01}, {"p": 0.04}, {"p": 0.03}])
+    assert [round(test["p_holm"], 6) for test in found] == [0.03, 0.06, 0.06]
 
 
 def own(

@@ -2,7 +2,7 @@
 
 import itertools
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from lrsr.identities.person import TONES, Traits
 from lrsr.identities.population import ANCESTRIES
 from lrsr.pages import DPI, STYLE, png_bytes
 
-_DECADES = (18, 30, 40, 50, 60, 70, 81)
+DECADES = (18, 30, 40, 50, 60, 70, 81)
 """Ages are counted from one to the next, the last not included."""
 
 _MAINLY = 0.5
@@ -39,11 +39,11 @@ def spread(people: Sequence[Traits]) -> dict[str, Any]:
     """
     ages = [person.age_years for person in people]
     angles = [person.ita_deg for person in people]
-    mains = Counter(_main_ancestry(person) for person in people)
+    mains = Counter(main_ancestry(person.ancestry) for person in people)
     sexes = Counter(person.sex for person in people)
     tones = Counter(person.skin_tone for person in people)
-    counts, _ = np.histogram(ages, _DECADES)
-    spans = [f"{low} to {high - 1}" for low, high in itertools.pairwise(_DECADES)]
+    counts, _ = np.histogram(ages, DECADES)
+    spans = [f"{low} to {high - 1}" for low, high in itertools.pairwise(DECADES)]
     years: dict[str, Any] = {"spans": dict(zip(spans, counts.tolist(), strict=True))}
     if people:
         years |= {"mean": float(np.mean(ages)), "youngest": min(ages), "oldest": max(ages)}
@@ -88,9 +88,10 @@ def draw_spread(people: Sequence[Traits]) -> bytes:
         return png_bytes(figure)
 
 
-def _main_ancestry(person: Traits) -> str:
-    race = max(person.ancestry, key=lambda name: person.ancestry[name])
-    return race if person.ancestry[race] >= _MAINLY else "mixed"
+def main_ancestry(shares: Mapping[str, float]) -> str:
+    """Return the ancestry of half or more of a person, else "mixed"."""
+    race = max(shares, key=lambda name: shares[name])
+    return race if shares[race] >= _MAINLY else "mixed"
 
 
 def _draw_ages(axes: Axes, people: Sequence[Traits]) -> None:

@@ -34,8 +34,13 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
             "p": _format_p(test["p"], test["log10_p"]),
             "remains": p_holm < 0.05,
         }
-    several = len({row["landmarks"] for row in rows}) > 1
+    several = several_sources(rows)
     return [_line(row, tests.get(_place(row), {}), several) for row in rows]
+
+
+def several_sources(rows: _Records) -> bool:
+    """Tell whether landmarks come from several sources: then each is a condition of its own."""
+    return len({row["landmarks"] for row in rows}) > 1
 
 
 def best_methods(lines: _Records) -> Iterator[str]:
@@ -59,6 +64,20 @@ def best_methods(lines: _Records) -> Iterator[str]:
 def method_labels(rows: _Records) -> dict[str, str]:
     """Return the label of each method, in the order of the rows."""
     return {row["method"]: row["label"] for row in rows}
+
+
+def condition_of(record: Mapping[str, Any], landmarks: bool) -> str:
+    """Return what a report calls the condition of a record; scores of others may have none.
+
+    Args:
+        record: With option, ipd_px and landmarks, each possibly None.
+        landmarks: Name their source, too: there are several.
+    """
+    option, ipd_px, source = record["option"], record["ipd_px"], record["landmarks"]
+    words = [] if option is None else [f"Option {option}"]
+    words += [] if ipd_px is None else [f"IPD {ipd_px:g} px"]
+    words += [f"{source} landmarks"] if landmarks and source is not None else []
+    return ", ".join(words) or "All pairs"
 
 
 def _format_p(p: float, log10_p: float | None = None) -> str:
@@ -98,12 +117,10 @@ def _line(row: Mapping[str, Any], tests: Mapping[str, Any], several: bool) -> di
     cut = not degenerate and outside and row["logit_low"] is not None
     if cut:
         low, high = row["logit_low"], row["logit_high"]
-    size = "" if row["ipd_px"] is None else f", IPD {row['ipd_px']:g} px"
-    source = f", {row['landmarks']} landmarks" if several else ""
     exact = degenerate or not measured
     return {
         **row,
-        "condition": f"Option {row['option']}{size}{source}",
+        "condition": condition_of(row, several),
         "measured": measured,
         "interval": "no interval" if exact else f"{low:.3f} – {high:.3f}",
         "low": low,

@@ -12,9 +12,30 @@ import torch
 
 from lrsr.evaluation.roc import RocCurve
 from lrsr.experiments.report.figures import draw_intervals, draw_roc
-from lrsr.experiments.report.lines import best_methods, method_labels, report_lines
+from lrsr.experiments.report.lines import (
+    best_methods,
+    condition_of,
+    method_labels,
+    report_lines,
+    several_sources,
+)
 from lrsr.experiments.table import WRONG_PLACE_IPDS
 from lrsr.pages import encode_face, write_page
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture of a report.
+
+    Attributes:
+        png: As a data URI.
+        alt: What it shows, for who cannot see it.
+        caption: What a reader must know.
+    """
+
+    png: str
+    alt: str
+    caption: str
 
 
 @dataclass(frozen=True)
@@ -28,12 +49,14 @@ class Panel:
         pictures: Columns of the contact sheet in order, e.g. Gallery, Probe, each method,
             Reference; each ``(n, 3, h, w)`` srgb in [0, 1], any size; may be empty.
         people: Names of the n people shown.
+        figures: Shown below the ROC curves.
     """
 
     title: str
     curves: Mapping[str, Mapping[str, RocCurve]] = field(default_factory=dict)
     pictures: Mapping[str, torch.Tensor] = field(default_factory=dict)
     people: Sequence[str] = ()
+    figures: Sequence[Figure] = ()
 
 
 def write_report(
@@ -43,15 +66,18 @@ def write_report(
     *,
     done: Sequence[str],
     not_done: Sequence[str],
+    page: str = "report",
 ) -> Path:
     """Write ``report.html``: self-contained, with every picture inside.
 
     Args:
         folder: Is made if need be.
-        results: What ``results.json`` holds: rows, comparisons, config, recognition, versions.
+        results: What ``results.json`` holds: rows, comparisons, config, recognition, versions;
+            likelihood_ratios, groups and discards, if there are any.
         panels: Curves and contact sheet of each condition.
         done: What was done, a sentence each.
         not_done: What was not, and what the numbers do not show.
+        page: Name of the template.
 
     Returns:
         Path of the file.
@@ -71,15 +97,21 @@ def write_report(
     ]
     return write_page(
         folder,
-        "report",
+        page,
         title=config["name"].replace("_", " ").capitalize(),
         question=config["question"],
         answer=list(best_methods(lines)),
         settings={**config, "recognition": results["recognition"]},
+        likelihoods=_told(results, "likelihood_ratios"),
+        groups=_by_group(_told(results, "groups")),
         lines=lines,
         several_options=several,
         level=f"{100 * config['level']:g} %",
         against=[dict(some) for some in (others[:1], others[1:]) if some],  # the first is Base
+        shows_psnr=any(row["psnr_y_db"] is not None for row in rows),
+        shows_places=any(row.get("wrong_place") is not None for row in rows),
+        boot=any(row.get("bootstrap_low") is not None for row in rows),
+        partial=next((p["max_fmr"] for row in rows for p in row.get("partial_auc", ())), None),
         target_fmrs=[f"{p['target_fmr']:g}" for p in max((row["fnmr"] for row in rows), key=len)],
         intervals=(
             draw_intervals(labels, measured, "Area under the ROC curve") if measured else None
@@ -94,6 +126,23 @@ def write_report(
     )
 
 
+def _told(results: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
+    """Return further records with the words that their table has for the condition."""
+    several = several_sources(results["rows"])
+    return [{**one, "condition": condition_of(one, several)} for one in results.get(name, ())]
+
+
+def _by_group(records: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return a line a condition and group, with a cell for each method."""
+    lines: dict[tuple[str, str], dict[str, Any]] = {}
+    for record in records:
+        name = f"{record['trait']}: {record['group']}"
+        told = {key: record[key] for key in ("condition", "people", "target_fmr")}
+        line = lines.setdefault((record["condition"], name), {"name": name, "cells": {}, **told})
+        line["cells"][record["label"]] = record
+    return list(lines.values())
+
+
 def _panel(panel: Panel, level: float) -> dict[str, Any]:
     columns = {
         label: [encode_face(face) for face in np.asarray(faces)]
@@ -106,6 +155,7 @@ def _panel(panel: Panel, level: float) -> dict[str, Any]:
             for landmarks, curves in panel.curves.items()
             if curves
         ],
+        "figures": panel.figures,
         "columns": [(label, *np.shape(faces)[-2:]) for label, faces in panel.pictures.items()],
         "people": list(zip(panel.people, zip(*columns.values(), strict=True), strict=False)),
     }

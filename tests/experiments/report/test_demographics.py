@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from lrsr.experiments.report.demographics import _DECADES, draw_spread, spread
+from lrsr.experiments.report.demographics import DECADES, draw_spread, spread
 from lrsr.identities.person import TONES, Traits, _tone_of
 from lrsr.identities.population import ANCESTRIES, OLDEST_YEARS, YOUNGEST_YEARS
 
@@ -80,8 +80,8 @@ def test_the_order_of_people_does_not_count() -> None:
 
 
 def test_every_age_that_can_be_drawn_is_in_a_span() -> None:
-    assert _DECADES[0] <= YOUNGEST_YEARS
-    assert _DECADES[-1] > OLDEST_YEARS
+    assert DECADES[0] <= YOUNGEST_YEARS
+    assert DECADES[-1] > OLDEST_YEARS
     oldest = replace(JANE, age_years=OLDEST_YEARS)
     assert sum(spread([oldest])["age_years"]["spans"].values()) == 1
 
