@@ -44,6 +44,9 @@ TEMPLATE_PX: NDArray[np.float64] = np.array(
 )
 """Where ArcFace wants left eye, right eye, nose, left and right mouth corner: ``(5, 2)``, px."""
 
+TEMPLATE_IPD_PX = float(np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0]))
+"""Distance of the eyes in the aligned face: 35.24 px."""
+
 _EYES_PX = np.column_stack([TEMPLATE_PX[:2, 0], np.full(2, TEMPLATE_PX[:2, 1].mean())])
 """Where ``eyes`` wants them: ArcFace's columns, in its mean row, so level."""
 
@@ -82,7 +85,7 @@ def read_landmarks(landmarks_px: ArrayLike, count: int | None = None) -> NDArray
     return np.asarray(points, dtype=np.float64)
 
 
-def _fit_similarities(
+def fit_similarities(
     landmarks_px: ArrayLike, target_px: NDArray[np.float64] = TEMPLATE_PX
 ) -> NDArray[np.float64]:
     """Fit rotation, uniform scale and shift from landmarks onto a template, least squares.
@@ -102,7 +105,7 @@ def _fit_similarities(
         ImageContractError: The landmarks have another shape.
 
     Example:
-        >>> (_fit_similarities(TEMPLATE_PX[None] * 2)[0].round(6) + 0.0).tolist()
+        >>> (fit_similarities(TEMPLATE_PX[None] * 2)[0].round(6) + 0.0).tolist()
         [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]
     """
     count = len(target_px)
@@ -202,7 +205,7 @@ def align(
             landmarks are much farther apart than the picture is large.
     """
     check_images(srgb, name="srgb")
-    matrices = _fit_similarities(landmarks_px, TEMPLATE_PX if template == "arcface5" else _EYES_PX)
+    matrices = fit_similarities(landmarks_px, TEMPLATE_PX if template == "arcface5" else _EYES_PX)
     if len(matrices) != len(srgb):
         raise ImageContractError(f"{len(srgb)} images but landmarks for {len(matrices)}")
     found: NDArray[np.bool_] = np.isfinite(matrices[:, 0, 0])

@@ -2,10 +2,10 @@
 
 For training only: the true pipeline renders small faces, but a renderer makes one or two a second
 and training wants hundreds. So sharp aligned faces are made small, dim, noisy and compressed here,
-and enlarged again as alignment does it.
+and enlarged again as alignment does it. :mod:`lrsr.training.augmentation` does the rest.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -14,12 +14,17 @@ import torch.nn.functional as F
 from numpy.typing import NDArray
 
 from lrsr.camera.codec import jpeg
-from lrsr.configuration import settle
 from lrsr.images import resize_bicubic
-from lrsr.recognition.alignment import CROP_PX, TEMPLATE_PX, warp
+from lrsr.recognition.alignment import CROP_PX, TEMPLATE_IPD_PX, warp
+from lrsr.training.augmentation.background import Background
+from lrsr.training.augmentation.blur import Blur
+from lrsr.training.augmentation.colour import Colour
+from lrsr.training.augmentation.misalignment import Misalignment
+from lrsr.training.augmentation.occlusion import Occlusion
+from lrsr.training.augmentation.ranges import SHARE, check_ranges
 
-_TEMPLATE_IPD_PX = float(np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0]))
-"""Distance of the eyes in the aligned face: 35.24 px."""
+_SMALL_PX = 10.0
+"""IPD that small renderings are taken to have when their landmarks are found."""
 
 _crop = partial(warp, size_px=CROP_PX, antialias=False, outside="border")
 
@@ -35,12 +40,15 @@ class Degradation:
         jpeg_share: How many of those are compressed.
         jpeg_quality: Lowest and highest quality.
         noise: Highest standard deviation of the noise, of 1 = white.
-        gain: Standard deviation of the logarithm of the brightness.
-        tint: Standard deviation of the logarithm of each colour's brightness.
-        contrast: Standard deviation of the logarithm of the contrast about the mean.
-        jitter: Standard deviation of the errors of alignment: shift over the IPD, relative size,
-            roll in radians.
-        group: Faces that share one size, kernel and quality.
+        group: Faces that share one size and quality.
+        background: Behind sharp faces.
+        occlusion: Of sharp faces.
+        blur: Of sharp faces.
+        colour: Of all faces.
+        misalignment: Of all faces.
+
+    Raises:
+        InputError: A number is out of its range.
     """
 
     ipd_px: tuple[float, float] = (6.0, 32.0)
@@ -48,20 +56,18 @@ class Degradation:
     bicubic_share: float = 0.5
     jpeg_share: float = 0.5
     jpeg_quality: tuple[int, int] = (10, 95)
-    noise: float = 0.03
-    gain: float = 0.15
-    tint: float = 0.03
-    contrast: float = 0.15
-    jitter: float = 0.02
+    noise: float = 0.0
     group: int = 16
+    background: Background = field(default_factory=Background)
+    occlusion: Occlusion = field(default_factory=Occlusion)
+    blur: Blur = field(default_factory=Blur)
+    colour: Colour = field(default_factory=Colour)
+    misalignment: Misalignment = field(default_factory=Misalignment)
 
     def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            InputError: One is none.
-        """
-        settle(self, "module.degradation")
+        shares = dict.fromkeys(("small_share", "bicubic_share", "jpeg_share", "noise"), SHARE)
+        sizes = {"ipd_px": (1.0, TEMPLATE_IPD_PX), "jpeg_quality": (1, 100), "group": (1, 4096)}
+        check_ranges(self, "module.degradation", shares | sizes, spans=["ipd_px", "jpeg_quality"])
 
     def __call__(
         self, crops: torch.Tensor, sharp: torch.Tensor, rng: np.random.Generator
@@ -70,20 +76,29 @@ class Degradation:
 
         Args:
             crops: ``(B, 3, 112, 112)`` uint8, srgb.
-            sharp: ``(B,)`` bool; the others are shifted, tinted and mirrored only.
+            sharp: ``(B,)`` bool; the others are recoloured, misaligned and mirrored only.
             rng: Source of every choice.
 
         Returns:
             ``(B, 3, 112, 112)`` float32, srgb, [0, 1].
         """
-        faces = crops.float() / 255
+        with torch.autocast(crops.device.type, enabled=False):  # 8 bits of a picture, not of bf16
+            return self._degrade(crops.float() / 255, sharp.numpy(force=True), rng)
+
+    def _degrade(
+        self, faces: torch.Tensor, is_sharp: NDArray[np.bool_], rng: np.random.Generator
+    ) -> torch.Tensor:
+        if is_sharp.any():
+            rows = torch.from_numpy(np.flatnonzero(is_sharp))
+            shown = self.occlusion(self.background(faces[rows], rng), rng)
+            faces[rows] = self.blur(shown, rng)
         result = torch.empty_like(faces)
-        smaller = sharp.numpy(force=True) & (rng.random(len(faces)) < self.small_share)
-        kept = np.flatnonzero(~smaller)
-        if len(kept):
-            rows = torch.from_numpy(kept)
-            jitter = self._jitter(len(kept), rng)
-            result[rows] = _crop(self._expose(faces[rows], rng), jitter)
+        smaller = is_sharp & (rng.random(len(faces)) < self.small_share)
+        for kept, ipd_px in ((is_sharp & ~smaller, TEMPLATE_IPD_PX), (~is_sharp, _SMALL_PX)):
+            rows = torch.from_numpy(np.flatnonzero(kept))
+            if len(rows):
+                moved = self.misalignment.matrices(len(rows), ipd_px, rng)
+                result[rows] = _crop(self._expose(faces[rows], rng), moved)
         chosen = np.flatnonzero(smaller)
         for start in range(0, len(chosen), self.group):
             rows = torch.from_numpy(chosen[start : start + self.group])
@@ -95,7 +110,7 @@ class Degradation:
     def _make_small(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
         """Shrink, expose, compress, enlarge: one size and one codec for the group."""
         low, high = np.log(self.ipd_px)
-        side = max(round(CROP_PX * float(np.exp(rng.uniform(low, high))) / _TEMPLATE_IPD_PX), 8)
+        side = max(round(CROP_PX * float(np.exp(rng.uniform(low, high))) / TEMPLATE_IPD_PX), 8)
         factor = CROP_PX / side
         phase = np.tile(np.eye(2, 3), (len(faces), 1, 1))  # where the pixel grid meets the face
         phase[:, :, 2] = rng.uniform(-0.5, 0.5, (len(faces), 2)) * factor
@@ -111,32 +126,12 @@ class Degradation:
         back[:, 0, 0] = back[:, 1, 1] = factor
         back[:, :2, 2] = (factor - 1) / 2 - phase[:, :, 2]
         back[:, 2, 2] = 1
-        return _crop(small, self._jitter(len(faces), rng) @ back)
+        moved = self.misalignment.matrices(len(faces), TEMPLATE_IPD_PX * side / CROP_PX, rng)
+        return _crop(small, moved @ back)
 
     def _expose(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
-        """Change brightness, colour and contrast, add noise, round to 8 bits."""
-        count = len(faces)
-
-        def a_face(values: NDArray[np.float64]) -> torch.Tensor:
-            return torch.from_numpy(values.reshape(count, -1, 1, 1)).to(faces)
-
-        gain = rng.normal(0, self.gain, (count, 1)) + rng.normal(0, self.tint, (count, 3))
-        contrast = rng.normal(0, self.contrast, count)
-        sigma = rng.uniform(0, self.noise, count)
+        """Recolour, add noise, round to 8 bits."""
+        sigma = torch.from_numpy(rng.uniform(0, self.noise, (len(faces), 1, 1, 1))).to(faces)
         noise = torch.from_numpy(rng.standard_normal(tuple(faces.shape), dtype=np.float32))
-        bright = faces * a_face(np.exp(gain))
-        mean = bright.mean(dim=(1, 2, 3), keepdim=True)
-        exposed = (bright - mean).mul_(a_face(np.exp(contrast))).add_(mean)
-        exposed = exposed.addcmul_(noise.to(faces), a_face(sigma))
+        exposed = self.colour(faces, rng).addcmul(noise.to(faces), sigma)
         return exposed.clamp_(0, 1).mul_(255).round_().div_(255)
-
-    def _jitter(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draw small similarities about the crop's centre, ``(count, 2, 3)``."""
-        size = np.exp(rng.normal(0, self.jitter, count))
-        roll = rng.normal(0, self.jitter, count)
-        shift = rng.normal(0, self.jitter * _TEMPLATE_IPD_PX, (count, 2))
-        cosine, sine = size * np.cos(roll), size * np.sin(roll)
-        linear = np.stack([np.stack([cosine, -sine], -1), np.stack([sine, cosine], -1)], axis=1)
-        centre = np.full(2, (CROP_PX - 1) / 2)
-        moved = centre - np.einsum("bij,j->bi", linear, centre) + shift
-        return np.concatenate([linear, moved[:, :, None]], axis=2)

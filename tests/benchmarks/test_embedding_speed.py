@@ -20,7 +20,7 @@ from lrsr.recognition.export import export_embedder
 from lrsr.recognition.training import has_bfloat16
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from lrsr.recognition.alignment import TEMPLATE_PX, _fit_similarities, align
+from lrsr.recognition.alignment import TEMPLATE_PX, align, fit_similarities
 from lrsr.recognition.embedding import Embedder
 
 COUNT = 128
@@ -44,7 +44,7 @@ def test_alignment(benchmark: BenchmarkFixture) -> None:
     images = [image.permute(1, 2, 0).contiguous().numpy() for image in PROBES]
 
     def opencv() -> None:
-        for image, matrix in zip(images, _fit_similarities(LANDMARKS), strict=True):
+        for image, matrix in zip(images, fit_similarities(LANDMARKS), strict=True):
             cv2.warpAffine(image, matrix, (112, 112), flags=cv2.INTER_LINEAR)
 
     benchmark(align, PROBES, LANDMARKS, antialias=False)

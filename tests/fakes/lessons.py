@@ -10,6 +10,11 @@ from lightning.pytorch import LightningDataModule, Trainer
 from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.images import resize_bicubic
+from lrsr.training.augmentation.background import Background
+from lrsr.training.augmentation.blur import Blur
+from lrsr.training.augmentation.colour import Colour
+from lrsr.training.augmentation.misalignment import Misalignment
+from lrsr.training.augmentation.occlusion import Occlusion
 from lrsr.training.degradation import Degradation
 from lrsr.training.faces import _draw_views
 from lrsr.training.identification import Identification
@@ -107,6 +112,18 @@ def make_edsr(**settings: Any) -> Restoration:
     )
 
 
+def everything() -> Degradation:
+    """A little of all that may be done to a face."""
+    return Degradation(
+        noise=0.03,
+        background=Background(0.5),
+        occlusion=Occlusion(0.2, band_share=0.5),
+        blur=Blur(0.3, sigma=(0.0, 0.03), motion_share=0.5, motion=(0.0, 0.1)),
+        colour=Colour(0.15, 0.03, 0.15, 0.1, 0.1, 4.0, 0.1),
+        misalignment=Misalignment(0.5, nose_up=0.04, jitter=0.02),
+    )
+
+
 def make_arcface(people: int = 4, *, seed: int = 0) -> Identification:
     return Identification(
         people=people,
@@ -114,7 +131,7 @@ def make_arcface(people: int = 4, *, seed: int = 0) -> Identification:
         scheduler=partial(
             torch.optim.lr_scheduler.OneCycleLR, max_lr=3e-3, pct_start=0.15, cycle_momentum=False
         ),
-        degradation=Degradation(),
+        degradation=everything(),
         seed=seed,
     )
 

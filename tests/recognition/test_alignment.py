@@ -15,8 +15,8 @@ from lrsr.recognition.alignment import (
     _EYES_PX,
     TEMPLATE_PX,
     _boxes_about,
-    _fit_similarities,
     align,
+    fit_similarities,
     landmark_errors,
     read_landmarks,
     warp,
@@ -44,20 +44,20 @@ def ramp(side: int) -> torch.Tensor:
 
 def test_the_fit_is_that_of_scikit_image() -> None:
     landmarks = some_landmarks(20)
-    for points, matrix in zip(landmarks, _fit_similarities(landmarks), strict=True):
+    for points, matrix in zip(landmarks, fit_similarities(landmarks), strict=True):
         oracle = SimilarityTransform.from_estimate(points, TEMPLATE_PX).params[:2]
         np.testing.assert_allclose(matrix, oracle, atol=1e-9)
 
 
 def test_ten_pixels_between_the_eyes_are_enlarged_three_and_a_half_times() -> None:
     ipd = np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0])
-    matrix = _fit_similarities(TEMPLATE_PX[None] * 10 / ipd)[0]
+    matrix = fit_similarities(TEMPLATE_PX[None] * 10 / ipd)[0]
     assert np.sqrt(np.linalg.det(matrix[:, :2])) == pytest.approx(3.524, abs=1e-3)
 
 
 def test_a_mirrored_face_is_turned_but_never_mirrored() -> None:
     mirrored = TEMPLATE_PX * [-1, 1]
-    matrix = _fit_similarities(mirrored[None])[0]
+    matrix = fit_similarities(mirrored[None])[0]
     oracle = SimilarityTransform.from_estimate(mirrored, TEMPLATE_PX).params[:2]
     np.testing.assert_allclose(matrix, oracle, atol=1e-9)
     assert np.linalg.det(matrix[:, :2]) > 0
@@ -69,7 +69,7 @@ def test_a_mirrored_face_is_turned_but_never_mirrored() -> None:
     ids=["nan", "coincident", "infinite"],
 )
 def test_no_face_gives_nan_and_a_black_crop(landmarks: np.ndarray) -> None:
-    assert np.isnan(_fit_similarities(landmarks)).all()
+    assert np.isnan(fit_similarities(landmarks)).all()
     crops, found = align(ramp(20), landmarks, antialias=True)
     assert not found.any()
     assert not crops.any()
@@ -93,7 +93,7 @@ def test_the_warp_reads_between_pixels_where_the_matrix_says() -> None:
 def test_the_warp_is_opencvs_within_opencvs_rounding() -> None:
     image = torch.rand(1, 3, 60, 50, generator=torch.Generator().manual_seed(0))
     image = torch.nn.functional.avg_pool2d(image, 9, 1, 4)
-    matrix = _fit_similarities(some_landmarks(1, seed=4) / 9)
+    matrix = fit_similarities(some_landmarks(1, seed=4) / 9)
     ours = warp(image, matrix, size_px=112, antialias=False)[0].permute(1, 2, 0).numpy()
     theirs = cv2.warpAffine(
         image[0].permute(1, 2, 0).numpy(), matrix[0], (112, 112), flags=cv2.INTER_LINEAR
@@ -165,7 +165,7 @@ def test_a_finer_film_of_the_same_scene_aligns_to_the_same_crop() -> None:
 @pytest.mark.parametrize("shape", [(5, 2), (1, 4, 2), (1, 5, 3)])
 def test_landmarks_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(ImageContractError, match=r"wanted \(B, 5, 2\)"):
-        _fit_similarities(np.zeros(shape))
+        fit_similarities(np.zeros(shape))
 
 
 def test_images_and_landmarks_must_be_as_many() -> None:
@@ -244,7 +244,7 @@ def test_the_crop_is_that_of_insightface(name: str) -> None:
 def test_eyes_are_brought_level_whatever_the_other_points(spare: float) -> None:
     points = some_landmarks(6)
     points[:, 2:] = spare
-    for matrix, eyes in zip(_fit_similarities(points, _EYES_PX), points[:, :2], strict=True):
+    for matrix, eyes in zip(fit_similarities(points, _EYES_PX), points[:, :2], strict=True):
         np.testing.assert_allclose(eyes @ matrix[:, :2].T + matrix[:, 2], _EYES_PX, atol=1e-9)
         assert np.linalg.det(matrix[:, :2]) > 0
 
