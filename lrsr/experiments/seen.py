@@ -51,8 +51,13 @@ class Seen:
 
     @property
     def qualities(self) -> dict[str, list[float]]:
-        """Return measures of each picture by name: what the detector was sure of, NaN for none."""
-        return {"detector score": np.concatenate(self._scores).tolist()}
+        """Return measures of each picture by name: the detector's score, NaN where it found none.
+
+        They are the same whatever the landmarks; empty where no detector looked.
+        """
+        if self._finder is None:
+            return {}
+        return {"detector_score": np.concatenate(self._scores).tolist()}
 
     def look(
         self,

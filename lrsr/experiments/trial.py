@@ -231,7 +231,7 @@ class Trial:
                 self.engine.compare(one.joined(landmarks), enrolled.joined(landmarks), *ids),
                 probes.names,
                 gallery.names,
-                one.qualities if landmarks == "own" else {},
+                one.qualities,
             )
             for method, one in seen.items()
         }

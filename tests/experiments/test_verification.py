@@ -110,3 +110,14 @@ def test_a_missing_model_is_refused_before_rendering(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"absent\.onnx"):
         run(tmp_path, tmp_path / "absent.onnx")
     assert not (tmp_path / "cache").exists()
+
+
+def test_scores_of_true_and_of_found_landmarks_are_kept_with_what_the_detector_said(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    folder = run(tmp_path, tone_model, {"landmarks": ("shared", "own")})
+    header, *lines = (folder / "scores.csv").read_text().splitlines()
+    assert header.endswith("detector_score")
+    rows = json.loads((folder / "results.json").read_text())["rows"]
+    assert [row["landmarks"] for row in rows] == (["shared"] * 3 + ["own"] * 3) * 2
+    assert len(lines) == len(rows) * PEOPLE.count**2
