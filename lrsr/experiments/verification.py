@@ -44,7 +44,11 @@ _LANDMARKS = {
 }
 _WHOLE = "Where no face was found, the whole picture stood for it, so that FTA does not count it."
 _NO_DETECTOR = "No face detector was run: a detector's failures on such small faces come on top."
-_NOT_DONE = ("The embedder was trained on rendered faces; figures for real faces will differ.",)
+_SHIPPED = (
+    "The shipped embedder has learned from faces of this renderer: its figures do not say how well "
+    "people can be recognised. Read them beside those of a network that has learned from "
+    "photographs, as recognition=[shipped,dlib] gives them."
+)
 _FLAWLESS = "The camera has no colour filter mosaic, lens aberration or sensor noise."
 
 logger = logging.getLogger(__name__)
@@ -122,7 +126,9 @@ class Verification(Design):
         told += [_WHOLE] if self.recognition.fallback == "whole_image" else []
         done = (*(_RENDERED if rendered else ()), *_DONE, *told)
         undetected = () if "own" in landmarks else (_NO_DETECTOR,)
-        not_done = (*undetected, *_NOT_DONE, *([_FLAWLESS] if flawless else []))
+        ours = self.recognition.model is None and "shipped" in self.recognition.recognisers
+        known = [_SHIPPED] if ours else []
+        not_done = (*undetected, *known, *([_FLAWLESS] if flawless else []))
         write_report(folder, results, panels, done=done, not_done=not_done)
         for number, panel in enumerate(panels, start=1):
             if panel.pictures:

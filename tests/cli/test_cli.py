@@ -40,7 +40,7 @@ def test_cfg_job_prints_the_configuration_from_an_empty_folder(
         (["evla"], "did you mean 'eval'"),
         (["fly"], "choose one of demo"),
         (["identities", "encoder=facenet"], "auto, dlib, shipped"),
-        (["models"], "no command"),
+        (["modles"], "no command"),
         (["eval", "idnetities.count=3"], "idnetities"),
         (["eval", "identities=nobody"], "nobody"),
         (["eval", "identities.count=many"], "count"),

@@ -49,7 +49,8 @@ def test_eval_writes_results_and_report(capsys: pytest.CaptureFixture[str]) -> N
     assert results["recognition"]["detector"]["model"] == "retinaface_mnet025.onnx"
     assert all(row["fta"] < 1 for row in results["rows"] if row["option"] == 1)
     assert {path.name for path in folder.iterdir()} == {
-        "config.yaml", "versions.json", "results.json", "report.html", "faces_1.png", "faces_2.png",
+        "config.yaml", "versions.json", "results.json", "scores.csv", "report.html", "faces_1.png",
+        "faces_2.png",
     }  # fmt: skip
 
 

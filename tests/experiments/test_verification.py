@@ -104,6 +104,7 @@ def test_several_recognisers_have_a_table_each(tmp_path: Path, tone_model: Path)
         assert page.count(f"<h3>Recogniser: {name}</h3>") == 2
         assert f"<h2>{name}. Option 6" in page
     assert page.count("<h3>Faces</h3>") == 2
+    assert "its figures do not say how well people can be recognised" in page
 
 
 def test_a_missing_model_is_refused_before_rendering(tmp_path: Path) -> None:
