@@ -1,5 +1,6 @@
 """How is a small srgb picture made larger? One protocol, and everything that keeps it."""
 
+from abc import ABC, abstractmethod
 from math import ceil
 from numbers import Integral
 from pathlib import Path
@@ -117,14 +118,15 @@ class Bicubic(_OneStep):
         super().__init__(label, scale, device, kind="bicubic", kernel=kernel)
 
 
-class _Network(_OneStep):
+class _Network(_OneStep, ABC):
     """A network of any kind: on luminance or on colours, behind bicubic enlargement or not."""
 
     _on_luminance: bool
     _enlarged: bool
 
+    @abstractmethod
     def _restore(self, images: torch.Tensor) -> torch.Tensor:
-        raise NotImplementedError
+        """Run the network on ``(B, C, H, W)``."""
 
     def _enlarge(self, srgb: torch.Tensor) -> torch.Tensor:
         if not self._on_luminance:

@@ -237,18 +237,24 @@ def test_of_two_commands_in_one_folder_the_later_is_refused(
         words = [sys.executable, "-c", COMMAND, str(folder), str(epochs)]
         return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
-    with command(8) as first:
+    with command(40) as first:
         while first.poll() is None and epochs_of(folder) < 1:
             time.sleep(0.01)
         first.send_signal(signal.SIGSTOP)  # it works in the folder, however fast it is
-        with command(8) as second:
+        with command(40) as second:
             stdout, stderr = second.communicate(timeout=120)
         first.send_signal(signal.SIGCONT)
         assert (second.returncode, stdout) == (2, b"")
         line = f"lrsr: {folder} is in use by another lrsr command: wait for it or choose another"
         assert stderr.decode().splitlines()[-1] == line
         first.communicate(timeout=120)
-    assert (first.returncode, epochs_of(folder)) == (0, 8)
+    assert (first.returncode, epochs_of(folder)) == (0, 40)
+    with command(42) as longer:
+        stdout, stderr = longer.communicate(timeout=120)
+    assert longer.returncode == 0, stderr
+    assert stdout.decode().split() == [str(folder)]
+    history = json.loads((folder / "metrics.json").read_text())["history"]
+    assert [epoch["epoch"] for epoch in history] == [*range(42)]
 
 
 def epochs_of(folder: Path) -> int:
