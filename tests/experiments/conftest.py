@@ -4,10 +4,8 @@ from pathlib import Path
 
 import onnx
 import pytest
+from fakes.contracts import declare
 from onnx import TensorProto, helper
-
-from lrsr.onnx import contract_path, sha256_of
-from lrsr.recognition.contract import Contract, write_contract
 
 
 @pytest.fixture(scope="session")
@@ -25,19 +23,4 @@ def tone_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     graph = helper.make_graph(nodes, "tones", [faces], [embeddings])
     opset = helper.make_opsetid("", 18)
     onnx.save(helper.make_model(graph, opset_imports=[opset], ir_version=9), path)
-    contract = Contract(
-        sha256=sha256_of(path),
-        licence="MIT",
-        source="a test",
-        layout="NCHW",
-        channels="RGB",
-        height_px=112,
-        width_px=112,
-        mean=127.5,
-        scale=127.5,
-        dimension=147,
-        template="arcface5",
-        antialias=False,
-    )
-    contract_path(path).write_text(write_contract(contract))
-    return path
+    return declare(path, 147)

@@ -2,15 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import onnx
 import pytest
 import torch
+from fakes.contracts import declare
 from onnx import TensorProto, helper
-
-from lrsr.onnx import contract_path, sha256_of
-from lrsr.recognition.contract import Contract, write_contract
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -34,22 +31,7 @@ def write_model(tmp_path: Path) -> WriteModel:
     ) -> Path:
         path = tmp_path / "tiny.onnx"
         onnx.save(_three_nodes(layout, batch, side), path)
-        contract: dict[str, Any] = {
-            "sha256": sha256_of(path),
-            "licence": "MIT",
-            "source": "a test",
-            "layout": layout,
-            "channels": "RGB",
-            "height_px": 112,
-            "width_px": 112,
-            "mean": 127.5,
-            "scale": 127.5,
-            "dimension": 6,
-            "template": "arcface5",
-            "antialias": False,
-        }
-        contract_path(path).write_text(write_contract(Contract(**{**contract, **declared})))
-        return path
+        return declare(path, **{"dimension": 6, "layout": layout, **declared})
 
     return write
 

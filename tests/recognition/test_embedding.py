@@ -7,11 +7,11 @@ import onnx
 import onnxruntime
 import pytest
 import torch
+from fakes.contracts import declare
 
 from lrsr.errors import ImageContractError, InputError
 from lrsr.onnx import contract_path, run_session, sha256_of
 from lrsr.recognition import embedding
-from lrsr.recognition.contract import Contract, write_contract
 from lrsr.recognition.embedding import Embedder, _unit_rows
 
 WriteModel = Callable[..., Path]
@@ -166,22 +166,7 @@ def write_pooling_model(path: Path) -> Path:
     )
     opset = [onnx.helper.make_opsetid("", 18)]
     onnx.save(onnx.helper.make_model(graph, opset_imports=opset, ir_version=9), path)
-    contract = Contract(
-        sha256=sha256_of(path),
-        licence="MIT",
-        source="a test",
-        layout="NCHW",
-        channels="RGB",
-        height_px=112,
-        width_px=112,
-        mean=127.5,
-        scale=127.5,
-        dimension=147,
-        template="arcface5",
-        antialias=False,
-    )
-    contract_path(path).write_text(write_contract(contract))
-    return path
+    return declare(path, 147)
 
 
 def test_a_detector_is_no_embedder(tiny_model: Path) -> None:
