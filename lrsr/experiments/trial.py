@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import torch
 
@@ -59,6 +60,15 @@ class Outcome:
     comparisons: Sequence[Record]
     further: Sequence[Further]
     panel: Panel
+
+
+class _Judged(NamedTuple):
+    """What landmarks of one source give under one condition; curves by label of the method."""
+
+    rows: Sequence[Record]
+    comparisons: Sequence[Record]
+    further: Further
+    curves: Mapping[str, RocCurve]
 
 
 @dataclass(frozen=True)
@@ -181,40 +191,65 @@ class Trial:
                 seen[method].look(self.engine, some, upscaler, true.get(upscaler.scale))
         if isinstance(probes, Photographs):
             people = {entry.identity_id: labels_of_entry(entry) for entry in probes.entries}
-        rows: list[Record] = []
-        comparisons: list[Record] = []
-        further: list[Further] = []
-        curves: dict[str, Mapping[str, RocCurve]] = {}
-        decibels = {method: one.decibels for method, one in seen.items()}
-        for landmarks in self.landmarks:
-            systems = self._systems(landmarks, seen, enrolled, probes, gallery)
-            if table is not None:
-                for method, system in systems.items():
-                    table.add(self._system_name(condition, method, landmarks), system)
-            scores = {method: system.source for method, system in systems.items()}
-            errors = {name: one.errors if landmarks == "own" else () for name, one in seen.items()}
-            told, tests, summaries = evaluate(
-                self.design, condition, scores, decibels, landmarks, errors
+        judged = {
+            landmarks: self._judge(
+                condition,
+                landmarks,
+                seen,
+                self._systems(landmarks, seen, enrolled, probes, gallery),
+                people,
+                table,
             )
-            told = [{"recogniser": self.name, **row} for row in told]
-            about = {row["method"]: {name: row[name] for name in NAMES} for row in told}
-            rows += told
-            comparisons += [{"recogniser": self.name, **test} for test in tests]
-            further.append(look_further(self.design.asked, about, systems, summaries, people))
-            curves[landmarks] = {
-                upscalers[name].label: summary.curve for name, summary in summaries.items()
-            }
+            for landmarks in self.landmarks
+        }
         figures = [
             replace(figure, caption=f"{landmarks.capitalize()} landmarks. {figure.caption}")
-            if len(self.landmarks) > 1
+            if len(judged) > 1
             else figure
-            for landmarks, one in zip(self.landmarks, further, strict=True)
-            for figure in one.figures
+            for landmarks, one in judged.items()
+            for figure in one.further.figures
         ]
-        pictures = self._pictures(probes, references, shown)
-        shown_people = tuple(probes.identity_ids)[:_SHOWN]
-        panel = Panel(condition.title, curves, pictures, shown_people, figures)
-        return Outcome(rows, comparisons, further, panel)
+        panel = Panel(
+            condition.title,
+            {landmarks: one.curves for landmarks, one in judged.items()},
+            self._pictures(probes, references, shown),
+            tuple(probes.identity_ids)[:_SHOWN],
+            figures,
+        )
+        return Outcome(
+            [row for one in judged.values() for row in one.rows],
+            [test for one in judged.values() for test in one.comparisons],
+            [one.further for one in judged.values()],
+            panel,
+        )
+
+    def _judge(
+        self,
+        condition: Condition,
+        landmarks: Landmarks,
+        seen: Mapping[str, Seen],
+        systems: Mapping[str, System],
+        people: Mapping[str, Labels],
+        table: ScoreFile | None,
+    ) -> _Judged:
+        """Evaluate all methods with landmarks of one source, and keep their scores."""
+        if table is not None:
+            for method, system in systems.items():
+                table.add(self._system_name(condition, method, landmarks), system)
+        scores = {method: system.source for method, system in systems.items()}
+        decibels = {method: one.decibels for method, one in seen.items()}
+        errors = {name: one.errors if landmarks == "own" else () for name, one in seen.items()}
+        told, tests, summaries = evaluate(
+            self.design, condition, scores, decibels, landmarks, errors
+        )
+        rows = [{"recogniser": self.name, **row} for row in told]
+        about = {row["method"]: {name: row[name] for name in NAMES} for row in rows}
+        return _Judged(
+            rows,
+            [{"recogniser": self.name, **test} for test in tests],
+            look_further(self.design.asked, about, systems, summaries, people),
+            {about[name]["label"]: summary.curve for name, summary in summaries.items()},
+        )
 
     def _systems(
         self,
