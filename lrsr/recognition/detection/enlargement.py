@@ -19,6 +19,8 @@ from torch.nn import functional as F
 from lrsr.configuration import require, settle
 from lrsr.images import resize_bicubic
 
+_FACE_IPDS = 4
+
 
 @dataclass(frozen=True)
 class Enlargement:
@@ -26,7 +28,8 @@ class Enlargement:
 
     Attributes:
         border: Border on each side, as a share of the picture's height or width; its pixels are
-            those of the edge.
+            those of the edge. Where faces are known to be small, it is at most as wide as one:
+            4 distances between the pupils.
         shorter_px: The shorter side, without border, is enlarged by the least whole factor that
             makes it at least so long; 4 IPDs wide, as our renderings are, it holds 64 px.
         ipd_px: The same of the distance between the pupils, where that is known; then the sides
@@ -66,13 +69,17 @@ class Enlargement:
             (6, 0.3333333333333333)
         """
         longer = max(height, width)
-        longer += 2 * round(self.border * longer)
+        longer += 2 * self._border_px(longer, ipd_px)
         if longer > self.longest_px:
             return 1 / math.ceil(longer / self.longest_px)
         size, wanted = (
             (min(height, width), self.shorter_px) if ipd_px is None else (ipd_px, self.ipd_px)
         )
         return max(1, min(math.ceil(wanted / size), self.longest_px // longer))
+
+    def _border_px(self, side: int, ipd_px: float | None) -> int:
+        most = math.inf if ipd_px is None else _FACE_IPDS * ipd_px
+        return round(min(self.border * side, most))
 
     def __call__(
         self, srgb: torch.Tensor, *, multiple_px: int = 1, ipd_px: float | None = None
@@ -90,7 +97,7 @@ class Enlargement:
         """
         height, width = srgb.shape[-2:]
         factor = self.factor(height, width, ipd_px)
-        across, down = round(self.border * width), round(self.border * height)
+        across, down = self._border_px(width, ipd_px), self._border_px(height, ipd_px)
         whole = max(1, round(1 / factor))  # pixels of the picture in one of the result
         spare = [-(size + 2 * pad) % whole for size, pad in ((width, across), (height, down))]
         padded = _extend(srgb, across, across + spare[0], down, down + spare[1])

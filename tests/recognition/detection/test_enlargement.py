@@ -20,8 +20,8 @@ def ramp(height: int, width: int) -> torch.Tensor:
         ((100, 75), None, 4),
         ((256, 300), None, 1),
         ((1080, 1920), None, 1),
-        ((1080, 1920), 8, 1),  # one and a half times 1920, twice, is more than 4096
-        ((480, 640), 8, 4),
+        ((1080, 1920), 8, 2),  # a border of 32 px, not of 480: three times 1984 is beyond 4096
+        ((480, 640), 8, 5),
         ((480, 640), 60, 1),
         ((4000, 3000), None, 0.5),
     ],
@@ -49,6 +49,12 @@ def test_a_point_comes_back_to_where_it_was(rule: Enlargement) -> None:
     inner = np.array([[width * x // 10, height * y // 10] for x in (4, 5, 6) for y in (4, 5, 6)])
     there = [large[0, :2, y, x].numpy() * 1000 for x, y in inner]
     np.testing.assert_allclose(back(inner.astype(np.float32)), there, atol=1e-3)
+
+
+def test_where_faces_are_known_to_be_small_a_border_holds_one() -> None:
+    large, back = Enlargement(ipd_px=16, longest_px=4096)(ramp(100, 300), ipd_px=8)
+    assert tuple(large.shape[-2:]) == (2 * (100 + 2 * 25), 2 * (300 + 2 * 32))
+    assert (back.left_px, back.top_px) == (32, 25)
 
 
 def test_the_border_repeats_the_edge_and_the_rest_is_our_bicubic() -> None:
