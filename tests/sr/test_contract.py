@@ -61,10 +61,10 @@ def test_a_broken_card_is_refused(somebodys: Callable[..., Path]) -> None:
     [
         ("'RGB'", "'GRB'", "input.channels = 'GRB'; wanted RGB or BGR or Y"),
         ("'0..1'", "'-1..1'", "input.range = '-1..1'; wanted 0..1 or 0..255"),
-        ("scale = 2", "scale = 0", "output.scale = 0; wanted 1 or 2"),
+        ("scale = 2", "scale = 0", "output.scale = 0; wanted 1 to 16"),
         ("enlarged = false", "enlarged = 0", "wanted bool"),
         ("enlarged = false", "multiple_of = 0", "input.enlarged is missing"),
-        ("[output]", "multiple_of = 0\n[output]", "input.multiple_of = 0; wanted 1 or 2"),
+        ("[output]", "multiple_of = 0\n[output]", "input.multiple_of = 0; wanted 1 to 1024"),
     ],
 )
 def test_a_wrong_contract_is_named_in_one_line(
