@@ -25,7 +25,7 @@ def write_png(path: Path, image: torch.Tensor, *, bits: int = 8) -> None:
     """
     if bits not in (8, 16):
         raise ValueError(f"bits={bits}: wanted 8 or 16")
-    pixels = to_pixels(image, np.uint8 if bits == 8 else np.uint16)
+    pixels = _to_pixels(image, np.uint8 if bits == 8 else np.uint16)
     _, file = cv2.imencode(".png", np.ascontiguousarray(pixels[..., ::-1]))
     write_bytes(path, file.tobytes(), durable=False)  # quickly made again
 
@@ -39,7 +39,7 @@ def read_image(path: Path) -> torch.Tensor:
     Raises:
         InputError: There is no such file, it cannot be read, or it is no whole picture.
     """
-    return to_srgb(decode(read_file(path), path))
+    return _to_srgb(decode(read_file(path), path))
 
 
 def read_file(path: Path) -> bytes:
@@ -76,18 +76,18 @@ def decode(content: bytes, path: Path) -> NDArray[np.uint8 | np.uint16]:
     return np.ascontiguousarray(pixels[..., ::-1])
 
 
-def to_srgb(pixels: NDArray[np.uint8 | np.uint16]) -> torch.Tensor:
+def _to_srgb(pixels: NDArray[np.uint8 | np.uint16]) -> torch.Tensor:
     """Return pixels ``(H, W, C)`` as ``(C, H, W)`` float32, [0, 1].
 
     Example:
-        >>> to_srgb(np.full((1, 1, 1), 65535, np.uint16)).item()
+        >>> _to_srgb(np.full((1, 1, 1), 65535, np.uint16)).item()
         1.0
     """
     values = np.ascontiguousarray(pixels.transpose(2, 0, 1)).astype(np.float32)
     return torch.from_numpy(values / float(np.iinfo(pixels.dtype).max))
 
 
-def to_pixels(
+def _to_pixels(
     srgb: torch.Tensor, depth: type[np.uint8 | np.uint16]
 ) -> NDArray[np.uint8 | np.uint16]:
     """Return ``(C, H, W)`` in [0, 1] (clipped to it) as whole numbers ``(H, W, C)``."""

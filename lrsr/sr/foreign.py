@@ -10,6 +10,7 @@ import importlib
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+from warnings import catch_warnings
 
 import torch
 from safetensors import SafetensorError
@@ -56,7 +57,9 @@ class Foreign(OfNetwork):
     ) -> None:
         path = Path(str(model)).expanduser()
         if find_spec("spandrel") is None:
-            raise InputError(f"{path}: spandrel, which reads it, is missing; pip install lrsr[sr]")
+            raise InputError(
+                f"{path}: spandrel, which reads it, is missing; pip install 'lrsr[sr]'"
+            )
         if not path.is_file():
             raise InputError(f"{path} is missing: give a .pth or .safetensors file")
         self._path, self._network = path, _build(path, _read(path))
@@ -65,7 +68,7 @@ class Foreign(OfNetwork):
         wanted = f"{own}, which is the network's" if own > 1 else f"1 to {LARGEST_SCALE}"
         require(scale == own if own > 1 else 1 <= scale <= LARGEST_SCALE, "scale", scale, wanted)
         self._enlarged = scale > own
-        version = importlib.import_module("spandrel").__version__
+        version = _library().__version__
         super().__init__(
             label or path.stem,
             scale,
@@ -91,6 +94,11 @@ class Foreign(OfNetwork):
             torch.manual_seed(0)  # some draw noise: the same for each picture
             restored: torch.Tensor = self._network(images).clone()  # else of inference mode
         return restored
+
+
+def _library(name: str = "spandrel") -> Any:
+    with catch_warnings(action="ignore"):  # of what torch gives up, which is spandrel's to mend
+        return importlib.import_module(name)
 
 
 def _read(path: Path) -> Any:
@@ -121,10 +129,10 @@ def _build(path: Path, weights: Any) -> Any:
     Raises:
         InputError: There is none that spandrel knows, or it does not take and return colours.
     """
-    spandrel = importlib.import_module("spandrel")
+    spandrel = _library()
     registry = spandrel.MAIN_REGISTRY.copy()
     if find_spec(_EXTRA) is not None:
-        registry.add(*importlib.import_module(_EXTRA).EXTRA_REGISTRY, ignore_duplicates=True)
+        registry.add(*_library(_EXTRA).EXTRA_REGISTRY, ignore_duplicates=True)
     try:
         with torch.random.fork_rng(devices=[]):  # weights are drawn, then replaced
             network = spandrel.ModelLoader(registry=registry).load_from_state_dict(weights)

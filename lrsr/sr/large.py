@@ -16,7 +16,7 @@ from scipy.ndimage import distance_transform_edt
 from lrsr.sr.tiles import spans
 from lrsr.sr.upscaler import Upscaler
 
-AROUND_PX = 32
+_AROUND_PX = 32
 """What a tile sees around it where the network's reach is unknown."""
 
 
@@ -37,7 +37,7 @@ def enlarge(
         upscaler: Of whatever kind.
         pixels: ``(H, W, 1)`` or ``(H, W, 3)``, srgb.
         tile_px: Sides of a tile; None: the whole picture.
-        around_px: What a tile sees around it; None: the upscaler's reach, :data:`AROUND_PX` where
+        around_px: What a tile sees around it; None: the upscaler's reach, 32 where
             that is unknown.
         done: Told how many pixels of the small picture are finished, tile by tile.
 
@@ -54,7 +54,7 @@ def enlarge(
         (6, 10, 1)
     """
     if around_px is None:
-        around_px = AROUND_PX if upscaler.reach_px is None else upscaler.reach_px
+        around_px = _AROUND_PX if upscaler.reach_px is None else upscaler.reach_px
     (height, width, channels), scale, many = pixels.shape, upscaler.scale, upscaler.multiple_of
     large = np.empty((scale * height, scale * width, channels), pixels.dtype)
     levels = int(np.iinfo(pixels.dtype).max)

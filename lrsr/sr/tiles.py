@@ -81,16 +81,17 @@ def spans(size_px: int, tile_px: int, around_px: int, multiple_of: int = 1) -> I
         size_px: Of the side.
         tile_px: What is kept of a tile; the last may have fewer.
         around_px: What it sees on each side of that, as far as there is a picture.
-        multiple_of: Where tiles may begin, for networks that go through pixels in groups.
+        multiple_of: Where what is seen begins and ends, for networks that group pixels.
 
     Example:
-        >>> [(each.seen, each.kept.start) for each in spans(10, 6, 2, multiple_of=4)]
-        [(slice(0, 8, None), 0), (slice(4, 10, None), 6)]
+        >>> [(each.seen, each.kept.start) for each in spans(10, 5, 1, multiple_of=4)]
+        [(slice(0, 8, None), 0), (slice(4, 10, None), 5)]
     """
     for start in range(0, size_px, tile_px):
         stop = min(start + tile_px, size_px)
         first = max(0, start - around_px) // multiple_of * multiple_of
-        yield Span(slice(first, min(stop + around_px, size_px)), slice(start, stop))
+        last = -(-(stop + around_px) // multiple_of) * multiple_of
+        yield Span(slice(first, min(last, size_px)), slice(start, stop))
 
 
 def check_size(larger: torch.Tensor, given: torch.Tensor, factor: int, name: str) -> None:

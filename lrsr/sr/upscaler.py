@@ -7,6 +7,7 @@ from typing import Protocol
 
 import torch
 
+from lrsr.configuration import as_word
 from lrsr.errors import InputError
 from lrsr.images import (
     check_images,
@@ -66,7 +67,7 @@ class OneStep:
     multiple_of = 1
 
     def __init__(self, label: str, scale: int, device: str, **about: object) -> None:
-        self.label, self.scale = label, scale
+        self.label, self.scale = as_word(label, "label"), scale
         nothing = dict.fromkeys(("file", "sha256", "architecture", "lr_made_by", "kernel"), "")
         self.about = nothing | about
         self._device = _usable(device)
@@ -207,7 +208,7 @@ class Repeated:
         if not _is_whole(times) or times < 1:
             raise InputError(f"repeat={times}: wanted a whole number above 0")
         times = int(times)
-        self.label = label or f"{upscaler.label}, {times} times"
+        self.label = as_word(label or f"{upscaler.label}, {times} times", "label")
         self.scale: int = upscaler.scale**times
         self.learned = upscaler.learned
         self.multiple_of = upscaler.multiple_of

@@ -71,6 +71,8 @@ RIGHT: dict[str, list[Any]] = {
     "files": [WORD],  # one is a list of one
     "quality": [WORD],
     "images": [WORD],  # the same
+    "tile_px": [None],
+    "around_px": [None],
     "camera.stored.qualities": [LIST],  # compressed twice
 }
 
