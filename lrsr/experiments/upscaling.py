@@ -143,8 +143,12 @@ class Upscaling:
 
     def _jobs(self, folder: Path, made: Made, refused: list[Exception]) -> Iterator["_Job"]:
         """Yield what is to be done; what can be told to be wrong by its first bytes is refused."""
+        seen: set[Path] = set()
         taken: set[Path] = set()
         for source, place in _sources(self.images, folder, made):
+            if source in seen:
+                continue
+            seen.add(source)
             try:
                 header = read_header(source, source)
                 pixels = header.size_px[0] * header.size_px[1]
@@ -217,7 +221,7 @@ def _sources(images: Sequence[Path], folder: Path, made: Made) -> Iterator[tuple
     """
     folders = sum(path.is_dir() for path in images)
     passed_over: list[str] = []
-    for given in dict.fromkeys(images):
+    for given in images:
         if not given.is_dir():
             yield given, Path(given.name)
             continue

@@ -106,7 +106,7 @@ def read_header(content: bytes | Path, path: Path) -> Header:
         if image.mode not in _TAKEN:
             raise InputError(f"{path} is {image.mode}, no grey or RGB picture: convert it to RGB")
         exif = image.getexif()
-        tags = {tag: exif.get_ifd(tag) if tag in (_EXIF, _GPS) else exif[tag] for tag in exif}
+        tags = _tags_of(exif)
         size = image.size[::-1]
         if exif.get(ExifTags.Base.Orientation, 1) > 4 and image.format != "TIFF":
             size = size[::-1]
@@ -205,14 +205,14 @@ def encode(
     """
     bands = pixels if opacity is None else np.concatenate([pixels, opacity], axis=2)
     exif = _exif_of(header, pixels.shape[:2])
-    deep = bands.dtype == np.uint16 and format in _DEEP
+    deep = bands.dtype == np.uint16
     if bands.shape[2] == 2 and deep:  # few programs read grey with opacity of 16 bits
         bands = bands[..., [0, 0, 0, 1]]
     if header.grey and (bands.shape[2] > 2 or format == "WEBP"):  # which has colours only
         header = replace(header, profile=None)
-    if deep:
+    if format == "TIFF" or (deep and format in _DEEP):
         return _DEEP[format](bands, header, exif)
-    if bands.dtype == np.uint16:
+    if deep:
         bands = np.round(bands / 257).astype(np.uint8)
     image = Image.fromarray(bands[..., 0] if bands.shape[2] == 1 else bands)
     told: dict[str, Any] = {
@@ -223,7 +223,6 @@ def encode(
     settings: dict[str, dict[str, Any]] = {
         "JPEG": {"quality": quality, "subsampling": "4:4:4"},
         "WEBP": {"quality": quality, "lossless": quality == 100, "exact": True},
-        "TIFF": {"compression": "tiff_adobe_deflate"},
     }
     told |= settings.get(format, {})
     file = io.BytesIO()
@@ -246,7 +245,14 @@ def _exif_of(header: Header, size_px: tuple[int, ...]) -> Image.Exif:
     inner |= {tag: size for tag, size in zip(_SIDES, size_px[::-1], strict=True) if tag in inner}
     if inner:
         exif[_EXIF] = inner
-    return exif
+    whole = Image.Exif()
+    if len(exif):
+        whole.load(exif.tobytes())  # as from a file: Pillow's TIFF takes no other
+    return whole
+
+
+def _tags_of(exif: Image.Exif) -> dict[int, Any]:
+    return {tag: exif.get_ifd(tag) if tag in (_EXIF, _GPS) else exif[tag] for tag in exif}
 
 
 def _deep_png(bands: Pixels, header: Header, exif: Image.Exif) -> bytes:
@@ -270,26 +276,26 @@ def _chunk(kind: bytes, content: bytes) -> bytes:
     return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", check)
 
 
-def _deep_tiff(bands: Pixels, header: Header, exif: Image.Exif) -> bytes:
+def _tiff(bands: Pixels, header: Header, exif: Image.Exif) -> bytes:
     """Let Pillow write the tags, and put the pixels after them as one strip."""
     height, width, count = bands.shape
-    strip = zlib.compress(bands.astype("<u2").tobytes())
+    strip = zlib.compress(bands.astype(bands.dtype.newbyteorder("<")).tobytes())
     tags: dict[int, Any] = {
         256: width,
         257: height,
-        258: (16,) * count,
+        258: (8 * bands.itemsize,) * count,
         259: 8,  # Deflate
-        262: 1 if count == 1 else 2,  # grey, RGB
+        262: 1 if count < 3 else 2,  # grey, RGB
         273: 0,  # where the strip begins: after the tags
         277: count,
         278: height,
         279: len(strip),
     }
-    tags |= {338: 2} if count == 4 else {}  # the fourth is opacity, which darkens nothing
+    tags |= {338: 2} if count in (2, 4) else {}  # the last is opacity, which darkens nothing
     tags |= {34675: header.profile} if header.profile else {}
     tags |= {282: header.dpi[0], 283: header.dpi[1], 296: 2} if header.dpi else {}  # per inch
     folder = TiffImagePlugin.ImageFileDirectory_v2()
-    for tag, value in {**dict(exif), **tags}.items():
+    for tag, value in {**_tags_of(exif), **tags}.items():
         folder[tag] = value
     file = io.BytesIO()
     folder.save(file)
@@ -308,5 +314,5 @@ def _as_bgr(bands: Pixels) -> Pixels:
     return np.ascontiguousarray(bands[..., order])
 
 
-_DEEP = {"PNG": _deep_png, "TIFF": _deep_tiff, "PPM": _deep_ppm}
-"""Who writes 16 bits a channel, which Pillow cannot."""
+_DEEP = {"PNG": _deep_png, "TIFF": _tiff, "PPM": _deep_ppm}
+"""Who writes 16 bits a channel, and in TIFF what the camera said, which Pillow cannot."""
