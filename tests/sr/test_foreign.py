@@ -113,16 +113,17 @@ def test_sizes_that_a_network_wants_are_met_by_padding(
     upscaler = Foreign(saved(compact(2)))
     from spandrel import SizeRequirements
 
-    seen = []
+    seen: list[tuple[int, ...]] = []
     call = upscaler._network._call_fn
-    monkeypatch.setattr(
-        upscaler._network, "size_requirements", SizeRequirements(16, multiple_of=8, square=True)
-    )
-    monkeypatch.setattr(
-        upscaler._network,
-        "_call_fn",
-        lambda model, image: (seen.append(tuple(image.shape)), call(model, image))[1],
-    )
+
+    def watched(model: object, image: torch.Tensor) -> torch.Tensor:
+        seen.append(tuple(image.shape))
+        restored: torch.Tensor = call(model, image)
+        return restored
+
+    wants = SizeRequirements(16, multiple_of=8, square=True)
+    monkeypatch.setattr(upscaler._network, "size_requirements", wants)
+    monkeypatch.setattr(upscaler._network, "_call_fn", watched)
     assert upscaler(torch.rand(2, 3, 9, 21)).shape == (2, 3, 18, 42)
     assert seen == [(1, 3, 24, 24)] * 2
 
@@ -227,7 +228,7 @@ def test_what_fills_holes_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyP
         UnsupportedModelError=ZeroDivisionError,
     )
     monkeypatch.setattr(foreign, "find_spec", lambda name: name == "spandrel" or None)
-    monkeypatch.setattr(foreign.importlib, "import_module", lambda name: library)
+    monkeypatch.setattr(foreign, "_library", lambda: library)
     torch.save({}, tmp_path / "lama.pth")
     with pytest.raises(InputError, match=r"\(LaMa, Inpainting\) makes 3 channels of 4 and a mask"):
         Foreign(tmp_path / "lama.pth")

@@ -77,7 +77,8 @@ def test_a_network_on_groups_of_pixels_sees_the_same_groups() -> None:
     class Groups(Bicubic):
         """Each 4 x 4 pixels become their mean: it matters where a tile begins."""
 
-        multiple_of, reach_px = 4, 3
+        multiple_of = 4
+        reach_px: int | None = 3
 
         def _enlarge(self, srgb: torch.Tensor) -> torch.Tensor:
             means = torch.nn.functional.avg_pool2d(srgb, 4)

@@ -12,6 +12,7 @@ from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.images import luminance, resize_bicubic, rgb_to_ycbcr, ycbcr_to_rgb
 from lrsr.onnx import contract_path, sha256_of
 from lrsr.paths import asset, config_folder
+from lrsr.presets import preset
 from lrsr.sr import Bicubic, Onnx, Upscaler, load_upscaler
 from lrsr.sr.networks.edsr import EDSR
 from lrsr.sr.networks.srcnn import SRCNN
@@ -431,3 +432,19 @@ def test_a_card_in_an_onnx_file_is_enough(
     torch.testing.assert_close(upscaler(faces), resize_bicubic(faces, 2), rtol=0, atol=2e-6)
     told = upscaler.describe()
     assert (told["kind"], told["architecture"], told["kernel"]) == ("onnx", "srcnn", ENLARGED_BY)
+
+
+def test_an_onnx_network_is_an_option_with_a_typed_contract(
+    somebodys: Callable[..., Path], faces: torch.Tensor
+) -> None:
+    """``lrsr upscale sr=onnx``, and ``lrsr eval methods=[base,onnx] sr.onnx.model=FILE``."""
+    model = somebodys(reach_px=9)
+    told = preset("sr", "onnx", model=str(model))
+    assert (told.label, told.scale, told.reach_px) == ("theirs", 2, 9)
+    contract_path(model).unlink()
+    typed = preset("sr", "onnx", model=str(model), contract={"scale": 2, "channels": "RGB"})
+    assert torch.equal(typed(faces), told(faces))
+
+
+def test_fixed_tiles_reach_a_quarter_of_a_tile(somebodys: Callable[..., Path]) -> None:
+    assert load_upscaler(somebodys(size=(8, 12))).reach_px == 3
