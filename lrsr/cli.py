@@ -39,13 +39,14 @@ _COMMANDS = {
     "train": "sr=srcnn2x|srcnn4x|edsr2x|edsr4x or recognition=arcface",
     "eval": "an experiment: results.json, report.html",
     "score": "anybody's scores in files: the same tables, likelihood ratios, pages",
+    "upscale": "any picture by any upscaler: lrsr upscale FILE|FOLDER... out=DIR sr=srcnn2",
     "identities": "contact sheet, who they are, uniqueness check; export=DIR: meshes",
     "fit-camera": "a camera preset from real pictures in images=DIR",
     "models": "list, pull NAME, add FILE, verify, remove NAME: networks of other people",
 }
 """What each does; ``lrsr.tasks.run_COMMAND`` does it."""
 
-_OPERANDS = {"score": "files"}
+_OPERANDS = {"score": "files", "upscale": "images"}
 """Commands that take words without a key, and the setting that they are."""
 
 _USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
@@ -60,6 +61,7 @@ examples:
   lrsr eval experiment=super_resolution identities.count=200 options=[1,4]
   lrsr render identities.count=3 pose=left lighting=above ipd_px=8 out=probes
   lrsr score runs/eval/.../scores.csv calibration=pav
+  lrsr upscale holidays portrait.jpg out=larger sr=srcnn4
   lrsr train sr=srcnn4x identities.count=300
   lrsr identities identities.count=1500 identities.sex=female
   lrsr identities export=meshes identities.count=3 pose=left

@@ -275,22 +275,53 @@ def read_declared(
         raise InputError(f"{error.filename} is missing: {needed}") from error
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as a contract ({error}); mend it") from error
-    known, found = {field.name: field for field in fields(kind)}, {}  # type: ignore[arg-type]
-    for name, written in _flatten(document, tables, path):
-        field = known[name.rpartition(".")[2]]
-        value = found[field.name] = _checked(written, field, name, path)
-        if value not in choices.get(name, (value,)):
-            options = " or ".join(str(choice) for choice in choices[name])
-            raise InputError(f"{path}: {name} = {value!r}; wanted {options}")
-    if digest != found["sha256"]:
+    declared = check_declared(kind, document, tables, choices, path)
+    if digest != document["sha256"]:
         raise InputError(
-            f"{model}: sha256 is {digest[:12]}…, its contract says {found['sha256'][:12]}…; "
+            f"{model}: sha256 is {digest[:12]}…, its contract says {document['sha256'][:12]}…; "
             "the file is damaged or is another model: get it again or mend the contract"
         )
+    return declared
+
+
+def check_declared(
+    kind: type[_Declared],
+    document: Mapping[str, Any],
+    tables: _Tables,
+    choices: Mapping[str, Sequence[object]],
+    where: Path | str,
+) -> _Declared:
+    """Make a contract of what is declared; see :func:`read_declared`.
+
+    Args:
+        kind: Of the contract.
+        document: Fields and tables of fields.
+        tables: Where each field stands.
+        choices: What may stand in a field, by "table.field".
+        where: What messages call the document.
+
+    Raises:
+        InputError: A field is missing, unknown or out of range.
+    """
+    known, found = {field.name: field for field in fields(kind)}, {}  # type: ignore[arg-type]
+    for name, written in _flatten(document, tables, where):
+        field = known[name.rpartition(".")[2]]
+        value = found[field.name] = _checked(written, field, name, where)
+        if value not in choices.get(name, (value,)) and value is not field.default:
+            raise InputError(f"{where}: {name} = {value!r}; wanted {_either(choices[name])}")
     return kind(**found)
 
 
-def _flatten(document: Mapping[str, Any], tables: _Tables, path: Path) -> Iterator[tuple[str, Any]]:
+def _either(choices: Sequence[object]) -> str:
+    """Return choices in words."""
+    if isinstance(choices, range):
+        return f"{choices[0]} to {choices[-1]}"
+    return " or ".join(str(choice) for choice in choices)
+
+
+def _flatten(
+    document: Mapping[str, Any], tables: _Tables, path: Path | str
+) -> Iterator[tuple[str, Any]]:
     """Yield each field's full name and value, None where it is left out.
 
     Raises:
@@ -306,7 +337,7 @@ def _flatten(document: Mapping[str, Any], tables: _Tables, path: Path) -> Iterat
         yield from ((f"{table}.{name}".lstrip("."), section.get(name)) for name in names)
 
 
-def _checked(value: Any, field: Any, name: str, path: Path) -> Any:
+def _checked(value: Any, field: Any, name: str, path: Path | str) -> Any:
     if value is None and field.default is MISSING:
         raise InputError(f"{path}: {name} is missing; declare it")
     if value is None:
@@ -330,6 +361,8 @@ def _typed(value: Any, kind: Any) -> Any:
             if len(value) == 3:
                 return tuple(_typed(each, float) for each in value)
         raise TypeError("a number, or three")
+    if type(None) in get_args(kind):  # may be left out
+        kind = get_args(kind)[0]
     if get_origin(kind) is tuple:
         inner = get_args(kind)[0]
         if not isinstance(value, list):

@@ -37,6 +37,8 @@ _PATHS = {
     "contract",
     "mirror",
 }
+_LISTS = {"images"}
+"""Paths that may be several: [a,b] is a list."""
 _QUOTED = r'"(?:[^"\\]|\\.)*"|' + r"'(?:[^'\\]|\\.)*'"
 _WORD = re.compile(r"(~|\+{0,2})([^=@]*)(@[^=]*)?(?:=(.*))?", re.DOTALL)
 
@@ -231,6 +233,8 @@ def _readable(word: _Word, sweep: bool) -> str:
 
     kind, text = "", word.value
     is_path = word.key.rpartition(".")[2] in _PATHS
+    if word.key in _LISTS and re.fullmatch(r"\[.*\]", text, re.DOTALL):
+        is_path = False
     try:
         kind = _kind(text)
     except (HydraException, ValueError) as error:  # ValueError: thousands of digits

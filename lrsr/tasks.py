@@ -68,6 +68,23 @@ def run_score(config: "DictConfig") -> Path:
         return scoring.run(folder)
 
 
+def run_upscale(config: "DictConfig") -> Path:
+    """Enlarge pictures; see :mod:`lrsr.experiments.upscaling`.
+
+    Raises:
+        InputError: A setting is wrong, or there are no pictures.
+        ExceptionGroup: Of InputErrors: some pictures were refused; the others are finished.
+    """
+    from lrsr.experiments.upscaling import Upscaling
+
+    if path_if_any(config.out, "out") is None:
+        raise InputError("out=null: give the folder for the pictures, e.g. out=larger")
+    upscaling = Upscaling.from_config(config)
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return upscaling.run(folder)
+
+
 def run_identities(config: "DictConfig") -> Path:
     """Check that people differ, or export them where ``export`` names a folder.
 

@@ -42,6 +42,7 @@ HOMES = {
     "lightning": {"training"},
     "anny": {"identities"},
     "dlib": {"recognition"},
+    "spandrel": {"sr"},
     "skimage": {"recognition"},
     "requests": {"download.py"},
     "trimesh": {"pictures"},

@@ -26,8 +26,6 @@ STABLE = {
 }
 """What scripts of others may rely on, whether or not we use it ourselves."""
 KEPT = {
-    "lrsr.sr.upscaler.Onnx": "an Upscaler that DESIGN.md names, beside those that are used",
-    "lrsr.sr.upscaler.Repeated": "the same",
     "lrsr.identities.hair.build_anchors.main": "makes an asset: run by python -m",
     "lrsr.identities.shape.build_basis.main": "the same",
 } | {f"lrsr.tasks.run_{name.replace('-', '_')}": "the command's" for name in _COMMANDS}

@@ -5,6 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from lrsr.errors import InputError
 from lrsr.files import write_bytes
@@ -24,10 +25,8 @@ def write_png(path: Path, image: torch.Tensor, *, bits: int = 8) -> None:
     """
     if bits not in (8, 16):
         raise ValueError(f"bits={bits}: wanted 8 or 16")
-    levels = 2**bits - 1
-    pixels = image.detach().cpu().clamp(0, 1).double().mul(levels).round().numpy()
-    bgr = np.ascontiguousarray(pixels.transpose(1, 2, 0)[..., ::-1])
-    _, file = cv2.imencode(".png", bgr.astype(np.uint8 if bits == 8 else np.uint16))
+    pixels = _to_pixels(image, np.uint8 if bits == 8 else np.uint16)
+    _, file = cv2.imencode(".png", np.ascontiguousarray(pixels[..., ::-1]))
     write_bytes(path, file.tobytes(), durable=False)  # quickly made again
 
 
@@ -40,19 +39,57 @@ def read_image(path: Path) -> torch.Tensor:
     Raises:
         InputError: There is no such file, it cannot be read, or it is no whole picture.
     """
+    return _to_srgb(decode(read_file(path), path))
+
+
+def read_file(path: Path) -> bytes:
+    """Read the bytes of a picture's file.
+
+    Raises:
+        InputError: There is no such file, or it cannot be read.
+    """
     try:
-        content = np.frombuffer(path.read_bytes(), np.uint8)
+        return path.read_bytes()
     except OSError as error:
         raise InputError(
             f"cannot read {path}: {error.strerror or error}; check the path and its rights"
         ) from error
+
+
+def decode(content: bytes, path: Path) -> NDArray[np.uint8 | np.uint16]:
+    """Return the pixels of a file ``(H, W, 3)``, RGB, turned as its Exif says, without opacity.
+
+    Args:
+        content: Of the file.
+        path: For messages.
+
+    Raises:
+        InputError: It is no whole picture, or of more pixels than OpenCV takes.
+    """
     flags = cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH
     try:
-        pixels = cv2.imdecode(content, flags) if len(content) else None
+        pixels = cv2.imdecode(np.frombuffer(content, np.uint8), flags) if content else None
     except cv2.error as error:  # e.g. of more pixels than OpenCV takes
         raise InputError(f"cannot read {path}: {error.err}; make it smaller") from error
     if pixels is None or pixels.dtype not in (np.uint8, np.uint16):
         raise InputError(f"{path} is no picture, or a broken one: make it again")
-    levels = float(np.iinfo(pixels.dtype).max)
-    rgb = np.ascontiguousarray(pixels[..., ::-1].transpose(2, 0, 1)).astype(np.float32)
-    return torch.from_numpy(rgb / levels)
+    return np.ascontiguousarray(pixels[..., ::-1])
+
+
+def _to_srgb(pixels: NDArray[np.uint8 | np.uint16]) -> torch.Tensor:
+    """Return pixels ``(H, W, C)`` as ``(C, H, W)`` float32, [0, 1].
+
+    Example:
+        >>> _to_srgb(np.full((1, 1, 1), 65535, np.uint16)).item()
+        1.0
+    """
+    values = np.ascontiguousarray(pixels.transpose(2, 0, 1)).astype(np.float32)
+    return torch.from_numpy(values / float(np.iinfo(pixels.dtype).max))
+
+
+def _to_pixels(
+    srgb: torch.Tensor, depth: type[np.uint8 | np.uint16]
+) -> NDArray[np.uint8 | np.uint16]:
+    """Return ``(C, H, W)`` in [0, 1] (clipped to it) as whole numbers ``(H, W, C)``."""
+    levels = srgb.detach().cpu().clamp(0, 1).double().mul(np.iinfo(depth).max).round()
+    return np.ascontiguousarray(levels.numpy().transpose(1, 2, 0).astype(depth))

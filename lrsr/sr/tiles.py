@@ -1,6 +1,11 @@
-"""How does a network that takes one size only see a picture of any size? In tiles that overlap."""
+"""How is a picture seen part by part? In tiles that overlap.
+
+By a network that takes one size only (:func:`run_in_tiles`), or since the whole picture would not
+fit into memory (:func:`spans`).
+"""
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from itertools import product
 
 import torch
@@ -50,6 +55,43 @@ def run_in_tiles(
         target = result[..., factor * y : factor * (y + h), factor * x : factor * (x + w)]
         target[..., factor * top :, factor * left :] = tile[..., factor * top :, factor * left :]
     return result[..., : factor * height, : factor * width]
+
+
+@dataclass(frozen=True)
+class Span:
+    """Rows or columns of one tile: what is seen, and what is kept of that."""
+
+    seen: slice
+    kept: slice
+
+    def target(self, factor: int) -> slice:
+        """Where what is kept lies in the enlarged picture."""
+        return slice(factor * self.kept.start, factor * self.kept.stop)
+
+    def inner(self, factor: int) -> slice:
+        """Where what is kept lies in the enlarged tile."""
+        start, stop = self.kept.start - self.seen.start, self.kept.stop - self.seen.start
+        return slice(factor * start, factor * stop)
+
+
+def spans(size_px: int, tile_px: int, around_px: int, multiple_of: int = 1) -> Iterator[Span]:
+    """Yield the tiles along one side of a picture; each pixel is kept once.
+
+    Args:
+        size_px: Of the side.
+        tile_px: What is kept of a tile; the last may have fewer.
+        around_px: What it sees on each side of that, as far as there is a picture.
+        multiple_of: Where what is seen begins and ends, for networks that group pixels.
+
+    Example:
+        >>> [(each.seen, each.kept.start) for each in spans(10, 5, 1, multiple_of=4)]
+        [(slice(0, 8, None), 0), (slice(4, 10, None), 5)]
+    """
+    for start in range(0, size_px, tile_px):
+        stop = min(start + tile_px, size_px)
+        first = max(0, start - around_px) // multiple_of * multiple_of
+        last = -(-(stop + around_px) // multiple_of) * multiple_of
+        yield Span(slice(first, min(last, size_px)), slice(start, stop))
 
 
 def check_size(larger: torch.Tensor, given: torch.Tensor, factor: int, name: str) -> None:

@@ -3,13 +3,11 @@
 from abc import ABC, abstractmethod
 from math import ceil
 from numbers import Integral
-from pathlib import Path
 from typing import Protocol
 
-import numpy as np
 import torch
-from torch import nn
 
+from lrsr.configuration import as_word
 from lrsr.errors import InputError
 from lrsr.images import (
     check_images,
@@ -19,11 +17,12 @@ from lrsr.images import (
     rgb_to_ycbcr,
     ycbcr_to_rgb,
 )
-from lrsr.onnx import check_graph, open_session, providers_on, run_session, sha256_of
-from lrsr.paths import PACKAGE
-from lrsr.sr.contract import read_contract
-from lrsr.sr.tiles import check_size, run_in_tiles
-from lrsr.sr.weights import ENLARGED_BY, LARGEST_SCALE, Card, read_weights
+from lrsr.sr.networks.network import Network
+from lrsr.sr.tiles import check_size
+from lrsr.sr.weights import ENLARGED_BY, LARGEST_SCALE, Card
+
+_BICUBIC_REACH_PX = 2
+"""Of the small picture."""
 
 
 class Upscaler(Protocol):
@@ -33,11 +32,16 @@ class Upscaler(Protocol):
         label: Its name in tables.
         scale: New size over old.
         learned: Did it learn from pictures? Then it must beat the bicubic of the same scale.
+        reach_px: How far from a pixel of the small picture what is made of it may depend on; None:
+            unknown, or on all of it. Tiles of large pictures overlap by that.
+        multiple_of: Where tiles may begin, rows and columns of the small picture.
     """
 
     label: str
     scale: int
     learned: bool
+    reach_px: int | None
+    multiple_of: int
 
     def __call__(self, srgb: torch.Tensor) -> torch.Tensor:
         """Enlarge (B, 3, H, W) srgb in [0, 1] to (B, 3, scale * H, scale * W), clipped to [0, 1].
@@ -49,7 +53,7 @@ class Upscaler(Protocol):
         """Return what a report must say of it: label, scale, kind, file, sha256, ..."""
 
 
-class _OneStep:
+class OneStep:
     """What every upscaler of one step shares: the contract at both ends, batches, the device.
 
     Attributes:
@@ -59,9 +63,11 @@ class _OneStep:
 
     learned = True
     batch_size = 32
+    reach_px: int | None = None
+    multiple_of = 1
 
     def __init__(self, label: str, scale: int, device: str, **about: object) -> None:
-        self.label, self.scale = label, scale
+        self.label, self.scale = as_word(label, "label"), scale
         nothing = dict.fromkeys(("file", "sha256", "architecture", "lr_made_by", "kernel"), "")
         self.about = nothing | about
         self._device = _usable(device)
@@ -91,7 +97,7 @@ class _OneStep:
         return {"label": self.label, "scale": self.scale, **self.about}
 
 
-class Bicubic(_OneStep):
+class Bicubic(OneStep):
     """Keys' cubic, a = -0.5; a scale of 1 leaves the picture as the camera made it ("Base").
 
     Args:
@@ -108,6 +114,7 @@ class Bicubic(_OneStep):
     """
 
     learned = False
+    reach_px: int | None = _BICUBIC_REACH_PX
 
     def __init__(self, scale: int, label: str | None = None, *, device: str = "cpu") -> None:
         if not _is_whole(scale) or not 1 <= scale <= LARGEST_SCALE:
@@ -118,7 +125,7 @@ class Bicubic(_OneStep):
         super().__init__(label, scale, device, kind="bicubic", kernel=kernel)
 
 
-class _Network(_OneStep, ABC):
+class OfNetwork(OneStep, ABC):
     """A network of any kind: on luminance or on colours, behind bicubic enlargement or not."""
 
     _on_luminance: bool
@@ -135,8 +142,16 @@ class _Network(_OneStep, ABC):
         restored = self._restore(ycbcr[:, :1] if self._enlarged else luminance(srgb))
         return ycbcr_to_rgb(torch.cat([restored, ycbcr[:, 1:]], dim=1))
 
+    def _reach(self, network_px: int | None) -> int | None:
+        """Return the reach in pixels of the small picture, of that in pixels of the network's."""
+        if network_px is None or not (self._enlarged or self._on_luminance):
+            return network_px
+        if self._enlarged:
+            return ceil(network_px / self.scale) + _BICUBIC_REACH_PX
+        return max(network_px, _BICUBIC_REACH_PX)
 
-class _OfCard(_Network):
+
+class _OfCard(OfNetwork):
     """A network of ours and what its card says.
 
     Args:
@@ -150,7 +165,7 @@ class _OfCard(_Network):
     """
 
     def __init__(
-        self, network: nn.Module, card: Card, label: str | None = None, *, device: str = "cpu"
+        self, network: Network, card: Card, label: str | None = None, *, device: str = "cpu"
     ) -> None:
         if self._on_luminance != (card.input == "luminance"):
             raise InputError(f"{card.architecture} takes {card.input}: use the other wrapper")
@@ -158,6 +173,7 @@ class _OfCard(_Network):
         label = label or f"{card.architecture} {card.scale}"
         super().__init__(label, card.scale, device, architecture=card.architecture, **about)
         self._network, self._enlarged = network.to(self._device), bool(card.enlarged_by)
+        self.reach_px = self._reach(network.reach_px)
 
     def _restore(self, images: torch.Tensor) -> torch.Tensor:
         restored: torch.Tensor = self._network(images)
@@ -176,52 +192,6 @@ class Rgb(_OfCard):
     _on_luminance = False
 
 
-class Onnx(_Network):
-    """An ONNX network: somebody's with its contract beside it, or one that ``lrsr train`` made.
-
-    Args:
-        model: The ``.onnx`` file; see :mod:`lrsr.sr.contract`.
-        label: Its name in tables; the file's when None.
-        device: "cpu", or "cuda" where onnxruntime has it.
-
-    Raises:
-        InputError: The file or its contract is missing or broken, or they disagree.
-    """
-
-    def __init__(self, model: Path, label: str | None = None, *, device: str = "cpu") -> None:
-        self._model, self._session = model, open_session(model, providers_on(device))
-        properties = self._session.get_modelmeta().custom_metadata_map
-        self.contract = told = read_contract(model, properties)
-        words = f"float {told.layout} of {told.channels}"
-        check_graph(self._session, model, "an upscaler", told.shape, told.shape, (words, words))
-        self._on_luminance, self._enlarged = told.channels == "Y", told.enlarged
-        kernel = ENLARGED_BY if self._enlarged or self._on_luminance else ""
-        about = {"kind": "onnx", "file": model.name, "sha256": told.sha256, "kernel": kernel}
-        about |= {"architecture": told.source, "lr_made_by": told.lr_made_by}
-        super().__init__(label or model.stem, told.scale, "cpu", **about)
-
-    def _restore(self, images: torch.Tensor) -> torch.Tensor:
-        shape, many = self._session.get_inputs()[0].shape, self.contract.multiple_of
-        fixed = shape[2:] if self.contract.layout == "NCHW" else shape[1:3]
-        height, width = (
-            size if isinstance(size, int) else many * ceil(have / many)
-            for size, have in zip(fixed, images.shape[-2:], strict=True)
-        )
-        factor = 1 if self._enlarged else self.scale
-        return run_in_tiles(images, self._run, tile_px=(height, width), factor=factor)
-
-    def _run(self, images: torch.Tensor) -> torch.Tensor:
-        """Run the network on (B, C, h, w), as the contract says."""
-        told = self.contract
-        given = images.flip(1) if told.channels == "BGR" else images
-        given = given.permute(0, 2, 3, 1) if told.layout == "NHWC" else given
-        values = np.ascontiguousarray((given * told.white).numpy())
-        got = run_session(self._session, self._model, values, batch_size=self.batch_size)
-        result = torch.from_numpy(got) / told.white
-        result = result.permute(0, 3, 1, 2) if told.layout == "NHWC" else result
-        return result.flip(1) if told.channels == "BGR" else result
-
-
 class Repeated:
     """An upscaler taken several times, such as SRCNN 2x2.
 
@@ -238,9 +208,13 @@ class Repeated:
         if not _is_whole(times) or times < 1:
             raise InputError(f"repeat={times}: wanted a whole number above 0")
         times = int(times)
-        self.label = label or f"{upscaler.label}, {times} times"
+        self.label = as_word(label or f"{upscaler.label}, {times} times", "label")
         self.scale: int = upscaler.scale**times
         self.learned = upscaler.learned
+        self.multiple_of = upscaler.multiple_of
+        reach_px = upscaler.reach_px  # of the first step; of the others, in its pixels
+        steps = [] if reach_px is None else [reach_px / upscaler.scale**k for k in range(times)]
+        self.reach_px: int | None = sum(map(ceil, steps)) or reach_px
         self._upscaler, self._times = upscaler, times
 
     def __call__(self, srgb: torch.Tensor) -> torch.Tensor:
@@ -253,41 +227,6 @@ class Repeated:
         """Return what the step says of itself, and how often it is taken."""
         own: dict[str, object] = {"label": self.label, "scale": self.scale, "times": self._times}
         return self._upscaler.describe() | own
-
-
-def load_upscaler(
-    weights: Path, label: str | None = None, repeat: int = 1, *, device: str = "cpu"
-) -> Upscaler:
-    """Load a network by its file, whatever it is.
-
-    Args:
-        weights: A ``.safetensors``, ``.ckpt`` or ``.onnx`` file of ``lrsr train``, or somebody's
-            ``.onnx``. A name that does not lead to a file from here is looked for among those that
-            ship, e.g. "weights/srcnn2x.safetensors".
-        label: Its name in tables; the file's when None.
-        repeat: How often it is taken.
-        device: Where it runs, "cpu" or "cuda".
-
-    Raises:
-        InputError: The file is missing, broken or of another kind, or ``repeat`` is below 1.
-    """
-    path = _find(Path(str(weights)).expanduser())
-    upscaler: _OneStep
-    if path.suffix == ".onnx":
-        upscaler = Onnx(path, label, device=device)
-    elif path.suffix in (".safetensors", ".ckpt"):
-        network, card = read_weights(path)
-        kind = Luminance if card.input == "luminance" else Rgb
-        upscaler = kind(network, card, label or path.stem, device=device)
-        upscaler.about |= {"file": path.name, "sha256": sha256_of(path)}
-    else:
-        raise InputError(f"weights={weights}: wanted a .safetensors, .ckpt or .onnx file")
-    return upscaler if repeat == 1 else Repeated(upscaler, repeat, label)
-
-
-def _find(path: Path) -> Path:
-    shipped = PACKAGE / "assets" / path
-    return shipped if not path.exists() and shipped.is_file() else path
 
 
 def _is_whole(value: object) -> bool:

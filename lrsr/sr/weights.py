@@ -19,6 +19,7 @@ from torch import nn
 from lrsr.errors import InputError
 from lrsr.files import write_bytes
 from lrsr.sr.networks import NETWORKS
+from lrsr.sr.networks.network import Network
 
 #: The one kernel by its words: a network that was trained behind it works behind no other.
 ENLARGED_BY = "bicubic, Keys a=-0.5 (MATLAB imresize), edges replicated"
@@ -85,6 +86,27 @@ class Card:
         return cls(**known)
 
 
+def blank_network(card: Card) -> Network:
+    """Make the network of a card as it is in use, without memory or random numbers for weights.
+
+    Raises:
+        InputError: An argument is none that it can use.
+        TypeError: An argument is missing, or unknown to it.
+    """
+    kind = NETWORKS[card.architecture]
+    with torch.device("meta"):
+        return kind(**{**card.arguments, **kind.in_use})
+
+
+def has_card(path: Path) -> bool:
+    """Tell whether a ``.safetensors`` file is of :func:`write_weights`, or somebody else's.
+
+    Raises:
+        InputError: It is missing, or no such file.
+    """
+    return "architecture" in _of_safetensors(path)[1]
+
+
 def write_weights(path: Path, network: nn.Module, card: Card) -> None:
     """Write the network's weights (float32) and their card as one safetensors file.
 
@@ -95,7 +117,7 @@ def write_weights(path: Path, network: nn.Module, card: Card) -> None:
     write_bytes(path, save_tensors(tensors, metadata=card.as_text()))
 
 
-def read_weights(path: Path) -> tuple[nn.Module, Card]:
+def read_weights(path: Path) -> tuple[Network, Card]:
     """Read a ``.safetensors`` file of :func:`write_weights` or a ``.ckpt`` of a training run.
 
     Returns:
@@ -133,15 +155,13 @@ def read_checkpoint(path: Path) -> dict[str, Any]:
     return checkpoint
 
 
-def _build(card: Card, tensors: Mapping[str, torch.Tensor]) -> nn.Module:
+def _build(card: Card, tensors: Mapping[str, torch.Tensor]) -> Network:
     """Make the network and try it on a small picture.
 
     Raises:
         InputError: A weight is not finite, or the picture comes back in another size.
     """
-    kind = NETWORKS[card.architecture]
-    with torch.device("meta"):  # no memory and no random numbers for what is replaced at once
-        network = kind(**{**card.arguments, **kind.in_use})
+    network = blank_network(card)
     plain = torch.contiguous_format  # training may keep them otherwise, which rounds otherwise
     state = {name: t.float().clone(memory_format=plain) for name, t in tensors.items()}
     network.load_state_dict(state, assign=True)

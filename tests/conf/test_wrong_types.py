@@ -19,7 +19,7 @@ from omegaconf import OmegaConf
 from lrsr import presets, tasks
 from lrsr.failures import explain
 from lrsr.paths import config_folder
-from lrsr.sr import upscaler
+from lrsr.sr import loading
 from lrsr.training import run
 
 COMMANDS = {
@@ -36,6 +36,7 @@ COMMANDS = {
     "identities-export": ["export=meshes"],
     "fit-camera": ["images=."],
     "models": ["action=verify"],
+    "upscale": ["images=[a.png]", "out=larger", "format=png", "around_px=8"],
     "train-srcnn": ["train=srcnn4x"],
     "train-edsr": ["train=edsr2x", "module.arguments.blocks=1", "module.arguments.features=8"],
     "train-arcface": ["train=arcface"],
@@ -54,6 +55,7 @@ UNREAD = {
         *("gallery", "recognition", "encoder", "smallest_angle_deg", "most_redraws"),
         *("paths.run", "paths.runs"),  # it writes into export
     },
+    "upscale": {"paths.run", "paths.runs"},  # it writes into out
     "fit-camera": {"camera"},  # when the pictures were read
     "models": {"paths"},
 }
@@ -68,6 +70,9 @@ RIGHT: dict[str, list[Any]] = {
     "standpoint.height_m": [None],
     "files": [WORD],  # one is a list of one
     "quality": [WORD],
+    "images": [WORD],  # the same
+    "tile_px": [None],
+    "around_px": [None],
     "camera.stored.qualities": [LIST],  # compressed twice
 }
 
@@ -96,12 +101,13 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         "experiments.scoring.Scoring.run",
         "pictures.export.export_to_folder",
         "recognition.store.verify",
+        "experiments.upscaling.Upscaling.run",
     ):
         monkeypatch.setattr(f"lrsr.{last}", stop)
     monkeypatch.setattr("lrsr.training.run.train", stop_at_the_trainer)
     monkeypatch.setattr("lrsr.training.rendered.Rendered.about", lambda _: {})
     monkeypatch.setattr(tasks, "write_provenance", lambda *_: None)
-    monkeypatch.setattr(upscaler, "read_weights", functools.cache(upscaler.read_weights))
+    monkeypatch.setattr(loading, "read_weights", functools.cache(loading.read_weights))
     monkeypatch.setattr(presets, "preset", as_they_are)
     hydra = SimpleNamespace(
         job=SimpleNamespace(config_name="command", num=0),
@@ -163,7 +169,7 @@ def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
     name = command if command == "fit-camera" else command.split("-")[0]
     count = 20 if command == "fit-camera" else 2
     with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        people = [] if command in ("score", "models") else [f"identities.count={count}"]
+        people = [] if command in ("score", "models", "upscale") else [f"identities.count={count}"]
         config = compose(name, [*COMMANDS[command], *people])
     plain: Any = OmegaConf.to_container(config, resolve=False)
     assert attempt(command, copy.deepcopy(plain), "") is None

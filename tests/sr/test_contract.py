@@ -61,10 +61,10 @@ def test_a_broken_card_is_refused(somebodys: Callable[..., Path]) -> None:
     [
         ("'RGB'", "'GRB'", "input.channels = 'GRB'; wanted RGB or BGR or Y"),
         ("'0..1'", "'-1..1'", "input.range = '-1..1'; wanted 0..1 or 0..255"),
-        ("scale = 2", "scale = 0", "output.scale = 0; wanted 1 or 2"),
+        ("scale = 2", "scale = 0", "output.scale = 0; wanted 1 to 16"),
         ("enlarged = false", "enlarged = 0", "wanted bool"),
         ("enlarged = false", "multiple_of = 0", "input.enlarged is missing"),
-        ("[output]", "multiple_of = 0\n[output]", "input.multiple_of = 0; wanted 1 or 2"),
+        ("[output]", "multiple_of = 0\n[output]", "input.multiple_of = 0; wanted 1 to 1024"),
     ],
 )
 def test_a_wrong_contract_is_named_in_one_line(
@@ -87,3 +87,49 @@ def test_another_models_contract_is_refused(somebodys: Callable[..., Path]) -> N
     onnx.save(changed, model)
     with pytest.raises(InputError, match=r"theirs\.onnx: sha256 is .* is another model"):
         read_contract(model, {})
+
+
+def test_what_is_typed_stands_in_for_a_contract(somebodys: Callable[..., Path]) -> None:
+    model = somebodys()
+    contract_path(model).unlink()
+    told = read_contract(model, {}, {"channels": "BGR", "scale": 2, "reach_px": 7})
+    assert (told.channels, told.scale, told.reach_px) == ("BGR", 2, 7)
+    assert (told.layout, told.range, told.enlarged, told.multiple_of) == ("NCHW", "0..1", False, 1)
+    assert told.sha256 == sha256_of(model)
+
+
+def test_what_is_typed_never_overrules_a_file(somebodys: Callable[..., Path]) -> None:
+    model, typed = somebodys(), {"channels": "RGB", "scale": 2}
+    with pytest.raises(InputError, match=r"sr\.contract=.*theirs\.toml says .*; leave it"):
+        read_contract(model, {}, typed)
+    contract_path(model).unlink()
+    with pytest.raises(InputError, match=r"theirs\.onnx says itself what the network takes"):
+        read_contract(model, EDSR_CARD.as_text(), typed)
+
+
+@pytest.mark.parametrize(
+    ("typed", "message"),
+    [
+        ({"scale": 2}, "sr.contract: input.channels is missing"),
+        ({"channels": "RGB"}, "sr.contract: output.scale is missing"),
+        ({"channels": "RGB", "scale": "2"}, "output.scale = '2'; wanted int"),
+        ({"channels": "RGB", "scale": 2, "chanels": "Y"}, "unknown field 'chanels' in [input]"),
+        ({"channels": "RGB", "scale": 2, "reach_px": -1}, "reach_px = -1; wanted 0 to 1024"),
+    ],
+)
+def test_wrong_words_are_named(
+    somebodys: Callable[..., Path], typed: dict[str, object], message: str
+) -> None:
+    model = somebodys()
+    contract_path(model).unlink()
+    with pytest.raises(InputError) as caught:
+        read_contract(model, {}, typed)
+    assert message in str(caught.value)
+
+
+def test_a_contract_says_how_far_its_network_looks(somebodys: Callable[..., Path]) -> None:
+    assert read_contract(somebodys(reach_px=40), {}).reach_px == 40
+    assert read_contract(somebodys(), {}).reach_px is None
+    model = somebodys()
+    contract_path(model).unlink()
+    assert read_contract(model, SRCNN_CARD.as_text()).reach_px == 4 + 0 + 2

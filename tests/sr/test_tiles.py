@@ -2,7 +2,7 @@ import pytest
 import torch
 from torch.nn import functional as F
 
-from lrsr.sr.tiles import run_in_tiles
+from lrsr.sr.tiles import run_in_tiles, spans
 
 
 def picture(height: int, width: int) -> torch.Tensor:
@@ -51,3 +51,23 @@ def test_what_a_small_picture_lacks_is_its_edge() -> None:
 def test_tiles_of_one_pixel_do() -> None:
     images = picture(3, 2)
     assert torch.equal(run_in_tiles(images, lambda t: t, tile_px=(1, 1), factor=1), images)
+
+
+@pytest.mark.parametrize("multiple_of", [1, 4])
+@pytest.mark.parametrize("around_px", [0, 3, 50])
+@pytest.mark.parametrize("size_px", [1, 15, 16, 17, 61])
+def test_every_pixel_is_kept_once_with_all_around_it(
+    size_px: int, around_px: int, multiple_of: int
+) -> None:
+    kept: list[int] = []
+    for span in spans(size_px, 16, around_px, multiple_of):
+        pixels = range(size_px)[span.kept]
+        seen = range(size_px)[span.seen]
+        kept += pixels
+        around = {max(0, pixels[0] - around_px), min(size_px - 1, pixels[-1] + around_px)}
+        assert around <= {*seen}
+        assert seen[0] % multiple_of == 0
+        assert len(seen) <= 16 + 2 * around_px + 2 * (multiple_of - 1)
+        assert [*seen][span.inner(1)] == [*pixels]
+        assert span.target(3) == slice(3 * pixels[0], 3 * (pixels[-1] + 1))
+    assert kept == [*range(size_px)]

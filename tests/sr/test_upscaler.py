@@ -12,10 +12,11 @@ from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.images import luminance, resize_bicubic, rgb_to_ycbcr, ycbcr_to_rgb
 from lrsr.onnx import contract_path, sha256_of
 from lrsr.paths import asset, config_folder
-from lrsr.sr import Bicubic, Upscaler, load_upscaler
+from lrsr.presets import preset
+from lrsr.sr import Bicubic, Onnx, Upscaler, load_upscaler
 from lrsr.sr.networks.edsr import EDSR
 from lrsr.sr.networks.srcnn import SRCNN
-from lrsr.sr.upscaler import Luminance, Onnx, Repeated, Rgb
+from lrsr.sr.upscaler import Luminance, Repeated, Rgb
 from lrsr.sr.weights import ENLARGED_BY, Card, read_weights
 
 METHODS = ("base", "bicubic2", "bicubic4", "srcnn2", "srcnn2x2", "srcnn4")
@@ -64,7 +65,7 @@ def test_method_has_its_label_and_scale(
 
 def test_every_option_is_tested() -> None:
     names = {path.stem for path in (config_folder() / "sr").glob("*.yaml")}
-    assert names == {*METHODS, "edsr2", "edsr4"}
+    assert names == {*METHODS, "edsr2", "edsr4", "onnx", "foreign"}
 
 
 @pytest.mark.parametrize("scale", [2, 4])
@@ -260,9 +261,9 @@ def test_missing_weights_are_named(tmp_path: Path) -> None:
         load_upscaler(tmp_path / "nowhere.onnx")
 
 
-@pytest.mark.parametrize("name", ["w.pth", "w", "None"])
+@pytest.mark.parametrize("name", ["w.bin", "w", "None"])
 def test_files_of_another_kind_are_refused(name: str) -> None:
-    with pytest.raises(InputError, match=r"wanted a .safetensors, .ckpt or .onnx file"):
+    with pytest.raises(InputError, match=r"wanted a .safetensors, .ckpt, .onnx or .pth file"):
         load_upscaler(Path(name))
 
 
@@ -340,7 +341,7 @@ def test_values_reach_somebodys_network_in_its_own_range(
 ) -> None:
     seen: list[np.ndarray] = []
     monkeypatch.setattr(
-        "lrsr.sr.upscaler.run_session",
+        "lrsr.sr.onnx_network.run_session",
         lambda session, model, values, batch_size: (
             seen.append(values) or values.repeat(2, 2).repeat(2, 3)
         ),
@@ -431,3 +432,19 @@ def test_a_card_in_an_onnx_file_is_enough(
     torch.testing.assert_close(upscaler(faces), resize_bicubic(faces, 2), rtol=0, atol=2e-6)
     told = upscaler.describe()
     assert (told["kind"], told["architecture"], told["kernel"]) == ("onnx", "srcnn", ENLARGED_BY)
+
+
+def test_an_onnx_network_is_an_option_with_a_typed_contract(
+    somebodys: Callable[..., Path], faces: torch.Tensor
+) -> None:
+    """``lrsr upscale sr=onnx``, and ``lrsr eval methods=[base,onnx] sr.onnx.model=FILE``."""
+    model = somebodys(reach_px=9)
+    told = preset("sr", "onnx", model=str(model))
+    assert (told.label, told.scale, told.reach_px) == ("theirs", 2, 9)
+    contract_path(model).unlink()
+    typed = preset("sr", "onnx", model=str(model), contract={"scale": 2, "channels": "RGB"})
+    assert torch.equal(typed(faces), told(faces))
+
+
+def test_fixed_tiles_reach_a_quarter_of_a_tile(somebodys: Callable[..., Path]) -> None:
+    assert load_upscaler(somebodys(size=(8, 12))).reach_px == 3

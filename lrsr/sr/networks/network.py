@@ -22,6 +22,21 @@ class Network(nn.Module):
     input: ClassVar[Literal["luminance", "rgb"]]
     in_use: ClassVar[Mapping[str, object]] = MappingProxyType({})
 
+    @property
+    def reach_px(self) -> int | None:
+        """How far from a pixel of its input what it makes there may depend on; None: on all of it.
+
+        Half the kernels of all convolutions, which is enough where each is used once and none
+        shrinks the picture. A network that is built otherwise says its own.
+        """
+        layers = (
+            each for each in self.modules() if isinstance(each, nn.Conv2d | nn.ConvTranspose2d)
+        )
+        return sum(
+            max(d * (k // 2) for d, k in zip(each.dilation, each.kernel_size, strict=True))
+            for each in layers
+        )
+
 
 def check_choice(name: str, value: object, choices: Sequence[str]) -> None:
     """Refuse a word that is no choice of an argument.
