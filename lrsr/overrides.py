@@ -36,6 +36,7 @@ _PATHS = {
     "root",
     "contract",
     "mirror",
+    "lpips",
 }
 _QUOTED = r'"(?:[^"\\]|\\.)*"|' + r"'(?:[^'\\]|\\.)*'"
 _WORD = re.compile(r"(~|\+{0,2})([^=@]*)(@[^=]*)?(?:=(.*))?", re.DOTALL)
