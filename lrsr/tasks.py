@@ -108,7 +108,6 @@ _OF_SCENES = (
     *("ipd_px", "compression"),
 )
 _OF_EXPORTS = ("pose", "lighting", "expression", "another_day", "ipd_px", "lens", "standpoint")
-_OF_STEPS = ("trainer", "callbacks", "logger")
 _OF_THE_CHECK = ("gallery", "recognition", "encoder", "smallest_angle_deg", "most_redraws")
 
 
@@ -275,8 +274,9 @@ def run_train(config: "DictConfig") -> Path:
     module = build(config.module, "module")
     resume = flag(config, "resume")
     steps = isinstance(module, Learner)
-    if not steps:
-        _refuse(_OF_STEPS, "what has a closed form is learned at once; leave it")
+    for key in () if steps else ("trainer", "callbacks", "logger"):
+        wish = "null, as what has a closed form is learned at once"
+        require(config[key] is None, key, config[key], wish)
     with run_folder(config) as folder:
         if resume:
             longer = steps and module.follows_length

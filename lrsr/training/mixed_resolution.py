@@ -10,7 +10,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from lrsr.configuration import as_whole, require, settle
+from lrsr.configuration import as_list, as_whole, require, settle
 from lrsr.errors import InputError
 from lrsr.evaluation.delong import measure_auc
 from lrsr.files import write_json
@@ -43,8 +43,8 @@ class MixedResolution:
     def __post_init__(self) -> None:
         settle(self, "module")
         for name in ("components", "dimensions"):
-            given = [as_whole(one, f"module.{name}") for one in getattr(self, name)]
-            holds = bool(given) and min(given) >= 1
+            given = as_list(getattr(self, name), f"module.{name}")
+            holds = bool(given) and min(as_whole(one, f"module.{name}") for one in given) >= 1
             require(holds, f"module.{name}", given, "whole numbers from 1 on, e.g. [10,20]")
 
     def spaces(self, met: Met) -> dict[tuple[int, int], CommonSpace]:
