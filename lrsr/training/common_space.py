@@ -7,6 +7,8 @@ both have in common then pair the directions (Hotelling, *Relations between two 
 with the enrolled picture, and so discounted.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,19 +56,63 @@ def whiten(rows: NDArray[Any], most: int) -> Whitened:
     return Whitened(mean, right[:kept].T * (length / spread[:kept]), left[:, :kept] * length)
 
 
-def pair(
-    probes: Whitened,
-    people: NDArray[np.int64],
-    gallery: Whitened,
-    components: int,
-    dimension: int,
-) -> CommonSpace:
-    """Find the directions in which probes and enrolled pictures go together.
+class Sides(NamedTuple):
+    """What is learned from.
 
-    Args:
+    Attributes:
         probes: n rows.
         people: ``(n,)``, whose row of the gallery shows the same person; everybody as often.
         gallery: A row a person.
+    """
+
+    probes: Whitened
+    people: NDArray[np.int64]
+    gallery: Whitened
+
+    @property
+    def components(self) -> int:
+        """How many both sides have."""
+        return min(self.probes.rows.shape[1], self.gallery.rows.shape[1])
+
+
+class Part(NamedTuple):
+    """Most of the people, and the pictures of the others: a probe and whom it shows, row by row."""
+
+    sides: Sides
+    probes: NDArray[np.float32]
+    gallery: NDArray[np.float32]
+
+
+def parted(
+    probes: NDArray[np.float32],
+    people: NDArray[np.int64],
+    gallery: NDArray[np.float32],
+    most: int,
+    parts: int,
+) -> list[Part]:
+    """Leave a part of the people out in turn, each once.
+
+    Args:
+        probes: ``(n, p)``.
+        people: ``(n,)``, whose row of the gallery shows the same person.
+        gallery: ``(people, q)``.
+        most: Components, >= 1; see :func:`whiten`.
+        parts: How many, >= 2; everybody is left out alone where there are fewer people.
+    """
+    found = []
+    for number in range(min(parts, len(gallery))):
+        out = np.arange(len(gallery)) % parts == number
+        row, left = np.cumsum(~out) - 1, out[people]
+        sides = Sides(whiten(probes[~left], most), row[people[~left]], whiten(gallery[~out], most))
+        found.append(Part(sides, probes[left], gallery[people[left]]))
+    return found
+
+
+def pair(sides: Sides, components: int, dimension: int) -> CommonSpace:
+    """Find the directions in which probes and enrolled pictures go together.
+
+    Args:
+        sides: What is learned from.
         components: How many of either side's are used, where there are so many.
         dimension: How many directions are kept, no more than there are components.
 
@@ -76,6 +122,7 @@ def pair(
     Raises:
         InputError: There are fewer components than directions are asked for.
     """
+    probes, people, gallery = sides
     x, y = probes.rows[:, :components], gallery.rows[:, :components]
     there = min(x.shape[1], y.shape[1])
     if not 1 <= dimension <= there:
@@ -92,4 +139,35 @@ def pair(
         gallery_mean=gallery.mean.astype(np.float32),
         gallery_map=gallery_map,
         correlations=correlations[:dimension].clip(0, MOST_CORRELATED).astype(np.float32),
+    )
+
+
+def judged_by_others(space: CommonSpace, parts: Sequence[Part], components: int) -> CommonSpace:
+    """Take each direction's variances and correlation from people who were not learned from.
+
+    Fitted directions look better than they are: with few people nearly every correlation is 1, and
+    the ratio says with certainty what is chance. So each part of the people is seen through the
+    directions that the others give, and all parts together say how far to trust each.
+
+    Args:
+        space: Of all people, by :func:`pair`.
+        parts: The same people, by :func:`parted`.
+        components: As for ``space``.
+
+    Returns:
+        The same directions, of variance 1 for people not learned from, with their correlations.
+    """
+    moments = np.zeros((3, len(space.correlations)))
+    for part in parts:
+        others = pair(part.sides, components, len(space.correlations))
+        x, y = others.of_probes(part.probes), others.of_gallery(part.gallery)
+        moments += [(a * b).sum(axis=0, dtype=np.float64) for a, b in ((x, x), (y, y), (x, y))]
+    count = sum(len(part.probes) for part in parts)
+    spread = np.sqrt(moments[:2] / count)
+    correlations = (moments[2] / count / spread.prod(axis=0)).clip(0, MOST_CORRELATED)
+    return replace(
+        space,
+        probe_map=(space.probe_map / spread[0]).astype(np.float32),
+        gallery_map=(space.gallery_map / spread[1]).astype(np.float32),
+        correlations=correlations.astype(np.float32),
     )

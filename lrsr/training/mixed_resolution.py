@@ -17,7 +17,7 @@ from lrsr.files import write_json
 from lrsr.onnx import sha256_of
 from lrsr.provenance import versions
 from lrsr.recognition.mixed_resolution import NAME, Card, CommonSpace, write_space
-from lrsr.training.common_space import pair, whiten
+from lrsr.training.common_space import Sides, judged_by_others, pair, parted, whiten
 from lrsr.training.encounters import Encounters, Met
 from lrsr.training.resume import forget, refuse_other_run
 
@@ -30,6 +30,7 @@ class MixedResolution:
         components: Principal components of either side; what people do not suffice for is not
             tried.
         dimensions: Directions kept of them; more than there are components are not tried.
+        parts: Of the people; each says how far the directions that the others give can be trusted.
         seed: The run's, for the record.
 
     Raises:
@@ -38,6 +39,7 @@ class MixedResolution:
 
     components: Sequence[int]
     dimensions: Sequence[int]
+    parts: int = 10
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -46,6 +48,7 @@ class MixedResolution:
             given = as_list(getattr(self, name), f"module.{name}")
             holds = bool(given) and min(as_whole(one, f"module.{name}") for one in given) >= 1
             require(holds, f"module.{name}", given, "whole numbers from 1 on, e.g. [10,20]")
+        require(self.parts >= 2, "module.parts", self.parts, "at least 2")
 
     def spaces(self, met: Met) -> dict[tuple[int, int], CommonSpace]:
         """Learn from people a space of each size, by components and dimension.
@@ -54,8 +57,10 @@ class MixedResolution:
             InputError: The people suffice for none.
         """
         most = max(self.components)
-        probes, gallery = whiten(met.probes, most), whiten(met.gallery, most)
-        there = min(probes.rows.shape[1], gallery.rows.shape[1], len(met.gallery) - 2)
+        probes, people, gallery = met
+        sides = Sides(whiten(probes, most), people, whiten(gallery, most))
+        parts = parted(probes, people, gallery, most, self.parts)
+        there = min(some.components for some in (sides, *(part.sides for part in parts))) - 1
         sizes = [
             (components, dimension)
             for components, dimension in product(self.components, self.dimensions)
@@ -66,7 +71,7 @@ class MixedResolution:
                 f"module.components={list(self.components)}, dimensions={list(self.dimensions)}:"
                 f" {len(met.gallery)} people suffice for none; give more identities.count"
             )
-        return {size: pair(probes, met.people, gallery, *size) for size in sizes}
+        return {size: judged_by_others(pair(sides, *size), parts, size[0]) for size in sizes}
 
     def train(
         self,

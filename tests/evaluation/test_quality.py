@@ -6,7 +6,6 @@ import torch
 from numpy.typing import ArrayLike
 from skimage.color import rgb2ycbcr
 from skimage.metrics import peak_signal_noise_ratio, structural_similarity
-from torchmetrics.functional.image import structural_similarity_index_measure
 
 from lrsr.errors import ImageContractError
 from lrsr.evaluation.quality import _luminance, psnr_y, ssim_y
@@ -168,18 +167,6 @@ def test_ssim_agrees_with_scikit_image(shave: int) -> None:
         for x, y in zip(a, b, strict=True)
     ]
     assert ssim_y(a, b, shave) == pytest.approx(wanted, rel=1e-10)
-
-
-def test_ssim_agrees_with_torchmetrics() -> None:
-    a, b = pair()
-    theirs = structural_similarity_index_measure(
-        *(torch.from_numpy(_luminance(each)[:, None]) for each in (a, b)),
-        sigma=1.5,
-        kernel_size=11,
-        data_range=1.0,
-        reduction="none",
-    )
-    assert ssim_y(a, b, 0) == pytest.approx(np.asarray(theirs), rel=1e-6)
 
 
 def test_ssim_of_equal_images_is_one_and_that_of_a_negative_below_zero() -> None:

@@ -171,7 +171,7 @@ def own(
     scores: Mapping[str, Scores], errors: Mapping[str, object]
 ) -> tuple[list[Record], list[Record]]:
     asked = design({name: preset("sr", name) for name in scores})
-    return evaluate(asked, CONDITION, scores, dict.fromkeys(scores, ()), "own", errors)[:2]
+    return evaluate(asked, CONDITION, scores, {name: {} for name in scores}, "own", errors)[:2]
 
 
 def test_faces_in_a_wrong_place_are_counted_among_those_found() -> None:

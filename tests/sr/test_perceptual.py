@@ -73,7 +73,10 @@ def test_a_map_is_no_distance(model: Path) -> None:
     graph = onnx.load(model)
     del graph.graph.node[2]
     graph.graph.node[1].output[0] = "distance"
-    del graph.graph.output[0].type.tensor_type.shape
+    for dim, size in zip(
+        graph.graph.output[0].type.tensor_type.shape.dim[1:], (3, 20, 24), strict=True
+    ):
+        dim.dim_value = size
     onnx.save(graph, model)
     _declared_again(model)
     with pytest.raises(InputError, match="for a pair, not a number"):

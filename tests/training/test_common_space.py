@@ -7,7 +7,14 @@ from sklearn.cross_decomposition import CCA
 
 from lrsr.errors import InputError
 from lrsr.recognition.mixed_resolution import CommonSpace
-from lrsr.training.common_space import MOST_CORRELATED, pair, whiten
+from lrsr.training.common_space import (
+    MOST_CORRELATED,
+    Sides,
+    judged_by_others,
+    pair,
+    parted,
+    whiten,
+)
 
 PEOPLE, SMALL, LARGE, SHARED = 6000, 3, 5, 2
 
@@ -23,7 +30,7 @@ def drawn(seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def learned(probes: np.ndarray, gallery: np.ndarray, dimension: int = SMALL) -> CommonSpace:
     people = np.arange(len(gallery))
-    return pair(whiten(probes, LARGE), people, whiten(gallery, LARGE), LARGE, dimension)
+    return pair(Sides(whiten(probes, LARGE), people, whiten(gallery, LARGE)), LARGE, dimension)
 
 
 def test_what_is_whitened_has_unit_covariance_the_largest_first() -> None:
@@ -70,7 +77,7 @@ def test_what_differs_between_probes_of_one_person_is_discounted() -> None:
     who, light = rng.normal(size=(500, 1)), rng.normal(size=(2000, 1)) * 10
     people = np.tile(np.arange(500), 4)
     probes = np.hstack([who[people] + 0.1 * rng.normal(size=(2000, 1)), light])
-    space = pair(whiten(probes, 2), people, whiten(np.hstack([who, who**2]), 2), 2, 1)
+    space = pair(Sides(whiten(probes, 2), people, whiten(np.hstack([who, who**2]), 2)), 2, 1)
     assert space.correlations[0] > 0.98
     assert abs(space.probe_map[1, 0]) < 0.05 * abs(space.probe_map[0, 0])
 
@@ -85,3 +92,45 @@ def test_more_directions_than_components_are_refused(dimension: int) -> None:
     probes, gallery, _ = drawn()
     with pytest.raises(InputError, match=f"dimension={dimension}: wanted 1 to 3"):
         learned(probes, gallery, dimension)
+
+
+def test_everybody_is_left_out_once() -> None:
+    gallery = np.random.default_rng(0).normal(size=(7, 4)).astype(np.float32)
+    people = np.tile(np.arange(7), 2)
+    probes = gallery[people] + 10
+    parts = parted(probes, people, gallery, most=2, parts=3)
+    left = np.concatenate([part.gallery for part in parts])
+    assert sorted(left[:, 0]) == sorted(gallery[people][:, 0])
+    for part in parts:
+        np.testing.assert_array_equal(part.probes, part.gallery + 10)
+        probes_left, rows, gallery_left = part.sides
+        assert len(gallery_left.rows) == len(gallery) - len(part.probes) // 2
+        assert sorted(rows) == sorted([*range(len(gallery_left.rows))] * 2)
+        np.testing.assert_allclose(
+            np.abs(probes_left.rows), np.abs(gallery_left.rows[rows]), atol=1e-4
+        )
+    assert len(parted(probes, people, gallery, most=2, parts=10)) == 7
+
+
+def test_others_say_how_far_to_trust_what_few_people_gave() -> None:
+    rng = np.random.default_rng(0)
+
+    def met(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        probes, gallery = rng.normal(size=(2, count, 8))
+        probes[:, 0] *= 5
+        gallery[:, 0] = probes[:, 0] + rng.normal(size=count)
+        return probes.astype(np.float32), np.arange(count), gallery.astype(np.float32)
+
+    few, many = met(40), met(2000)
+    fitted = pair(Sides(whiten(few[0], 8), few[1], whiten(few[2], 8)), 8, 8)
+    judged = judged_by_others(fitted, parted(*few, most=8, parts=10), 8)
+    assert fitted.correlations[1] > 0.5  # by chance: only the first component is shared
+    assert judged.correlations[0] > 0.9
+    assert judged.correlations[1:].mean() < 0.15
+    people = [str(number) for number in many[1]]
+    evidence = []
+    for space in (fitted, judged):
+        x, y = space.of_probes(many[0]), space.of_gallery(many[2])
+        evidence.append(space.compare(x, y, people, people).mated_scores().mean())
+    information = -np.log(1 - 25 / 26) / 2  # of the one correlation, 5 / √26
+    assert evidence[0] < evidence[1] < information

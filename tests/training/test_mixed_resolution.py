@@ -139,3 +139,5 @@ def test_values_out_of_range_are_refused(
 def test_there_must_be_sizes_to_try(given: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="whole numbers from 1 on"):
         MixedResolution(**{"components": [5], "dimensions": [5], **given})
+    with pytest.raises(InputError, match=r"module\.parts=1: wanted at least 2"):
+        MixedResolution([5], [5], parts=1)
