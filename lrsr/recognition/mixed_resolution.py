@@ -96,7 +96,7 @@ class CommonSpace:
         probe_map: ``(p, D)``.
         gallery_mean: ``(q,)`` mean enrolled face, q pixels.
         gallery_map: ``(q, D)``.
-        correlations: ``(D,)``, of number k of one person's probe and enrolled picture, falling.
+        correlations: ``(D,)``, of number k of one person's probe and enrolled picture.
     """
 
     probe_mean: _Floats
