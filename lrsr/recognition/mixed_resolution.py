@@ -9,7 +9,7 @@ both projections. A probe that was enlarged before is averaged back to the pixel
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -117,11 +117,11 @@ class CommonSpace:
 
     def of_probes(self, rows: _Floats) -> _Floats:
         """Project faces ``(B, p)`` as probes: ``(B, D)``."""
-        return (rows - self.probe_mean) @ self.probe_map
+        return np.asarray((rows - self.probe_mean) @ self.probe_map, dtype=np.float32)
 
     def of_gallery(self, rows: _Floats) -> _Floats:
         """Project faces ``(B, q)`` as enrolled ones: ``(B, D)``."""
-        return (rows - self.gallery_mean) @ self.gallery_map
+        return np.asarray((rows - self.gallery_mean) @ self.gallery_map, dtype=np.float32)
 
 
 def write_space(path: Path, space: CommonSpace, card: Card) -> None:
@@ -160,15 +160,16 @@ def read_space(path: Path) -> tuple[CommonSpace, Card]:
 
 
 def _card(text: str) -> Card:
-    told, kinds = json.loads(text), {field.name: field.type for field in fields(Card)}
-    return Card(**{name: kind(told[name]) for name, kind in kinds.items()})
+    told = json.loads(text)
+    sizes = float(told["probe_ipd_px"]), float(told["gallery_ipd_px"])
+    return Card(*sizes, int(told["people"]), str(told["scene"]), str(told["source"]))
 
 
 def _fits(space: CommonSpace, card: Card) -> bool:
     """Are the shapes those of the card, and are all numbers usable?"""
     sides = side_px(card.probe_ipd_px), side_px(card.gallery_ipd_px)
     dimension = len(space.correlations)
-    wanted = {"correlations": (dimension,)}
+    wanted: dict[str, tuple[int, ...]] = {"correlations": (dimension,)}
     for name, side in zip(("probe", "gallery"), sides, strict=True):
         wanted |= {f"{name}_mean": (side**2,), f"{name}_map": (side**2, dimension)}
     shapes = all(getattr(space, name).shape == shape for name, shape in wanted.items())

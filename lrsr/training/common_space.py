@@ -72,7 +72,7 @@ class Sides(NamedTuple):
     @property
     def components(self) -> int:
         """How many both sides have."""
-        return min(self.probes.rows.shape[1], self.gallery.rows.shape[1])
+        return int(min(self.probes.rows.shape[1], self.gallery.rows.shape[1]))
 
 
 class Part(NamedTuple):
