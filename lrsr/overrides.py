@@ -36,6 +36,7 @@ _PATHS = {
     "root",
     "contract",
     "mirror",
+    "lpips",
 }
 _LISTS = {"images"}
 """Paths that may be several: [a,b] is a list."""

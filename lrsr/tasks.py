@@ -278,9 +278,10 @@ def run_train(config: "DictConfig") -> Path:
     if config.get("module") is None:
         raise InputError(
             "what to train? give one of sr=srcnn2x, sr=srcnn4x, sr=edsr2x, sr=edsr4x,"
-            " recognition=arcface"
+            " recognition=arcface, recognition=mixed_resolution"
         )
-    from lrsr.training.lessons import read_lessons  # Lightning takes seconds
+    from lrsr.training.learner import Learner  # Lightning takes seconds
+    from lrsr.training.lessons import read_lessons
     from lrsr.training.resume import refuse_other_run, what_matters
     from lrsr.training.run import train
 
@@ -289,10 +290,18 @@ def run_train(config: "DictConfig") -> Path:
     depends_on = what_matters(plain) | data.about()
     module = build(config.module, "module")
     resume = flag(config, "resume")
+    steps = isinstance(module, Learner)
+    for key in () if steps else ("trainer", "callbacks", "logger"):
+        wish = "null, as what has a closed form is learned at once"
+        require(config[key] is None, key, config[key], wish)
     with run_folder(config) as folder:
         if resume:
-            refuse_other_run(folder, depends_on, follows_length=module.follows_length)
+            longer = steps and module.follows_length
+            refuse_other_run(folder, depends_on, follows_length=longer)
         write_provenance(folder, config)
+        if not steps:
+            done: Path = module.train(data, folder=folder, resume=resume, depends_on=depends_on)
+            return done
         return train(
             module,
             data,

@@ -237,13 +237,14 @@ class Scores(ScoreSource):
 
 @dataclass(frozen=True, eq=False)
 class CosineScores(ScoreSource):
-    """Cosines of embeddings, made when they are asked for and never kept.
+    """Cosines of embeddings, or any inner products, made when asked for and never kept.
 
     The product is taken in float64, whatever the embeddings' dtype: a score differs from that of
     another size of tile by a rounding of float64 at most.
 
     Attributes:
-        probes: ``(P, D)`` embeddings of length 1; a row of NaN is a failure to acquire.
+        probes: ``(P, D)`` embeddings, of length 1 for cosines; a row of NaN is a failure to
+            acquire.
         gallery: ``(G, D)`` the same.
         probe_ids: P identities; text or integers.
         gallery_ids: G identities.

@@ -104,6 +104,7 @@ class Design:
         save_scores: Write every score down.
         calibration: Of the likelihood ratios, one of
             :data:`lrsr.evaluation.calibrators.CALIBRATORS`.
+        lpips: ONNX file that says how far pictures look from their references; None: nobody asks.
 
     Raises:
         InputError: A number is out of its range, or the camera has a lens of its own besides a
@@ -126,6 +127,7 @@ class Design:
     bootstrap: int = 0
     save_scores: bool = True
     calibration: str = "logistic"
+    lpips: Path | None = None
 
     def __post_init__(self) -> None:
         count = self.people.count
@@ -168,6 +170,7 @@ class Design:
             bootstrap=whole_number(config, "bootstrap"),
             save_scores=flag(config, "save_scores"),
             calibration=as_word(config.calibration, "calibration"),
+            lpips=path_if_any(config.lpips, "lpips"),
         )
 
     @property

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from lrsr.evaluation.quality import psnr_y
+from lrsr.experiments.likeness import Truth, by_size
 from lrsr.images import scale_points
 from lrsr.pictures.picture import Picture, stack
 from lrsr.recognition.alignment import landmark_errors
@@ -27,7 +27,8 @@ class Seen:
         finder: Finds faces; None where landmarks are the true ones.
 
     Attributes:
-        decibels: PSNR of each against its true reference, where there are references.
+        likeness: Of each to its true reference, by the names of
+            :data:`lrsr.experiments.likeness.MEASURES`; empty where there are no references.
     """
 
     def __init__(self, landmarks: Sequence[Landmarks], finder: Finder | None = None) -> None:
@@ -35,7 +36,7 @@ class Seen:
         self._embeddings: dict[Landmarks, list[_Floats]] = {one: [] for one in landmarks}
         self._errors: list[_Floats] = []
         self._scores: list[_Floats] = []
-        self.decibels: list[float] = []
+        self.likeness: dict[str, list[float]] = {}
 
     def joined(self, landmarks: Landmarks) -> NDArray[np.float64]:
         """Return the embeddings of all, ``(n, D)``, with landmarks of one source."""
@@ -64,7 +65,7 @@ class Seen:
         engine: Recogniser,
         pictures: Sequence[Picture],
         upscaler: Upscaler,
-        true: Sequence[Picture] | None = None,
+        true: Truth | None = None,
     ) -> None:
         """Look at further pictures.
 
@@ -72,39 +73,40 @@ class Seen:
             engine: Embeds; a batch for each size of picture.
             pictures: Of any sizes.
             upscaler: The method.
-            true: Their true references, as many, if there are any.
+            true: Their true references, if there are any.
         """
-        alike: dict[object, list[int]] = {}
-        for number, picture in enumerate(pictures):
-            alike.setdefault(picture.image.shape, []).append(number)
-        order = np.argsort(np.concatenate([*alike.values()]))
+        groups = by_size(pictures)
+        order = np.argsort(np.concatenate(groups))
         parts: dict[Landmarks, list[_Floats]] = {one: [] for one in self._embeddings}
         found: list[tuple[_Floats, _Floats]] = []
-        decibels = np.empty(0 if true is None else len(true))
-        for members in alike.values():
+        likeness: list[dict[str, _Floats]] = []
+        for members in groups:
             images, known = stack([pictures[i] for i in members])
             enlarged, points = upscaler(images), scale_points(known, upscaler.scale).numpy()
-            found.append(self._embed(engine, enlarged, points, parts))
+            if "shared" in parts or true is not None:
+                embedded = engine.embed(enlarged, points)
+            if "shared" in parts:
+                parts["shared"].append(embedded)
             if true is not None:
-                references = stack([true[i] for i in members])[0].numpy()
-                decibels[members] = psnr_y(enlarged.numpy(), references, shave=upscaler.scale)
+                likeness.append(true.measure(members, enlarged, embedded, upscaler.scale))
+            found.append(self._found(engine, enlarged, points, parts))
         for landmarks, rows in parts.items():
             self._embeddings[landmarks].append(np.concatenate(rows)[order])
         errors, scores = (np.concatenate(some)[order] for some in zip(*found, strict=True))
         self._errors.append(errors)
         self._scores.append(scores)
-        self.decibels += decibels.tolist()
+        for name in likeness[0] if likeness else ():
+            values = np.concatenate([one[name] for one in likeness])[order]
+            self.likeness.setdefault(name, []).extend(values.tolist())
 
-    def _embed(
+    def _found(
         self,
         engine: Recogniser,
         images: torch.Tensor,
         points: NDArray[np.float32],
         parts: dict[Landmarks, list[_Floats]],
     ) -> tuple[_Floats, _Floats]:
-        """Add embeddings of one batch; return the errors of the landmarks found, and scores."""
-        if "shared" in parts:
-            parts["shared"].append(engine.embed(images, points))
+        """Add embeddings of the faces found; return the errors of their landmarks, and scores."""
         if self._finder is None:
             return np.full(len(images), np.nan), np.full(len(images), np.nan)
         faces = self._finder(images)

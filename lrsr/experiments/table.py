@@ -16,6 +16,7 @@ from lrsr.evaluation.multiplicity import holm_adjusted
 from lrsr.evaluation.scores import ScoreSource
 from lrsr.evaluation.summary import Evaluation, Summary, summarise
 from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.likeness import MEASURES
 from lrsr.recognition.settings import Landmarks
 from lrsr.sr.upscaler import Upscaler
 
@@ -37,7 +38,7 @@ def evaluate(
     design: Design,
     condition: Condition,
     scores: Mapping[str, ScoreSource],
-    decibels: Mapping[str, Sequence[float]],
+    likeness: Mapping[str, Mapping[str, Sequence[float]]],
     landmarks: Landmarks = "shared",
     errors: Mapping[str, ArrayLike] | None = None,
 ) -> tuple[list[Record], list[Record], Mapping[str, Summary]]:
@@ -47,7 +48,8 @@ def evaluate(
         design: What was asked.
         condition: Of the probes.
         scores: By method.
-        decibels: By method, the PSNR of each probe; empty where there is no reference.
+        likeness: By method and measure, how like its reference each probe became, see
+            :mod:`lrsr.experiments.likeness`; empty where there is no reference.
         landmarks: Their source.
         errors: By method, of each probe's landmarks in distances of the true eyes; NaN where no
             face was found or the true ones are not known.
@@ -58,13 +60,15 @@ def evaluate(
         photograph's are not known), method, label and landmarks; holds the numbers of
         :class:`~lrsr.evaluation.delong.AucEstimate`; psnr_y_db (mean over the
         probes; None where nothing is enlarged or a probe equals its reference), fta, eer, d_prime,
-        rank_1; fnmr, an :class:`~lrsr.evaluation.rates.OperatingPoint` for each target FMR; and
+        rank_1; fnmr, an :class:`~lrsr.evaluation.rates.OperatingPoint` for each target FMR;
         wrong_place, the share of the faces found whose landmarks are more than
-        :data:`WRONG_PLACE_IPDS` off, None where that is not known. Where faces were found on so few
-        pictures that nothing can be measured, all but counts, psnr_y_db, fta and wrong_place is
-        None, fnmr is empty and there is no curve. A test names option, ipd_px, landmarks, method
-        and against, and holds the numbers of :class:`~lrsr.evaluation.delong.AucComparison`, None
-        for those that are infinite.
+        :data:`WRONG_PLACE_IPDS` off, and landmark_distance_ipds, how far they are off on average,
+        both None where that is not known; and the other :data:`~lrsr.experiments.likeness.MEASURES`
+        as means over the probes for which they are known. Where faces were found on so few pictures
+        that nothing can be measured, all but counts, fta, likeness and landmarks is None, fnmr is
+        empty and there is no curve. A test names option, ipd_px, landmarks, method and against, and
+        holds the numbers of :class:`~lrsr.evaluation.delong.AucComparison`, None for those that are
+        infinite.
 
     Raises:
         ScoreError: Fewer than two genuine or impostor scores are left, although nothing failed.
@@ -75,10 +79,11 @@ def evaluate(
     for method, source in scores.items():
         summary = found.summaries.get(method)
         numbers = _counts(source) if summary is None else _numbers(summary)
-        wrong_place = _share_beyond((errors or {}).get(method, ()))
+        off = (errors or {}).get(method, ())
+        means = {name: _mean(likeness[method].get(name, ())) for name in MEASURES}
         told = _names(design, condition, method, landmarks)
-        rows.append({**told, **numbers, "wrong_place": wrong_place})
-        rows[-1]["psnr_y_db"] = _mean(decibels[method])
+        places = {"wrong_place": _share_beyond(off), "landmark_distance_ipds": _mean(off)}
+        rows.append({**told, **numbers, **places, **means})
     tests = [
         _comparison(condition, landmarks, pair, found.comparisons[pair])
         for pair in pairs
@@ -186,8 +191,11 @@ def _counts(source: ScoreSource) -> Record:
     }
 
 
-def _mean(decibels: Sequence[float]) -> float | None:
-    return _finite(float(np.mean(decibels))) if len(decibels) else None
+def _mean(values: ArrayLike) -> float | None:
+    """Return the mean of what is known; None where that is nothing, or infinite."""
+    given = np.asarray(values, dtype=np.float64)
+    known = given[~np.isnan(given)]
+    return _finite(float(known.mean())) if known.size else None
 
 
 def _share_beyond(errors: ArrayLike) -> float | None:

@@ -15,6 +15,7 @@ from lrsr.evaluation.score_files.writing import ScoreFile
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.further import NAMES, Further, look_further
 from lrsr.experiments.labels import Labels, labels_of, labels_of_entry
+from lrsr.experiments.likeness import Truth
 from lrsr.experiments.report.page import Panel
 from lrsr.experiments.seen import Seen
 from lrsr.experiments.table import Record, evaluate
@@ -36,6 +37,7 @@ from lrsr.recognition.finder import Finder
 from lrsr.recognition.recognisers import Recogniser
 from lrsr.recognition.settings import Landmarks
 from lrsr.rendering.scene import Film
+from lrsr.sr.perceptual import PerceptualDistance
 from lrsr.sr.upscaler import Bicubic
 
 _SHOWN = 6
@@ -83,6 +85,7 @@ class Trial:
         maker: Renders what the cache lacks; Mitsuba when None.
         name: What a report calls the engine.
         progress: Show bars while rendering.
+        perceptual: Says how far a method's picture looks from its reference; None: nobody asks.
     """
 
     design: Design
@@ -92,6 +95,7 @@ class Trial:
     finder: Finder | None = None
     name: str = "shipped"
     progress: bool = True
+    perceptual: PerceptualDistance | None = None
 
     @property
     def _scales(self) -> list[int]:
@@ -182,7 +186,7 @@ class Trial:
         people: dict[str, Labels] = {}
         for place, some in chunks(probes):
             true = {
-                scale: source.load(place.start, place.stop)
+                scale: Truth(source.load(place.start, place.stop), self.engine, self.perceptual)
                 for scale, source in references.items()
                 if source is not None
             }
@@ -237,10 +241,10 @@ class Trial:
             for method, system in systems.items():
                 table.add(self._system_name(condition, method, landmarks), system)
         scores = {method: system.source for method, system in systems.items()}
-        decibels = {method: one.decibels for method, one in seen.items()}
+        likeness = {method: one.likeness for method, one in seen.items()}
         errors = {name: one.errors if landmarks == "own" else () for name, one in seen.items()}
         told, tests, summaries = evaluate(
-            self.design, condition, scores, decibels, landmarks, errors
+            self.design, condition, scores, likeness, landmarks, errors
         )
         rows = [{"recogniser": self.name, **row} for row in told]
         about = {row["method"]: {name: row[name] for name in NAMES} for row in rows}

@@ -22,6 +22,7 @@ from lrsr.pictures.maker import Maker
 from lrsr.provenance import versions
 from lrsr.recognition.memory import Memory
 from lrsr.recognition.settings import Landmarks
+from lrsr.sr.perceptual import PerceptualDistance
 
 _RENDERED = (
     "Every probe and every gallery picture shows a synthetic person, rendered by Mitsuba as light "
@@ -31,7 +32,9 @@ _RENDERED = (
 _DONE = (
     "Bicubic is the a = -0.5 kernel; SRCNN works on BT.601 luminance, chroma goes up bicubically.",
     "PSNR is that of BT.601 studio luminance, with as many pixels shaved as the factor, averaged "
-    "over images.",
+    "over images; SSIM is of the same luminance, in Gaussian windows of 11x11.",
+    "Identity is how alike the recogniser finds a method's picture and the true reference, both "
+    "aligned with the true landmarks: for embeddings the cosine.",
     "Base is not free of interpolation: alignment enlarges it bilinearly to 112 pixels.",
     "Intervals are DeLong's; tests are paired, on the same pairs of pictures. Beside them stands "
     "the bootstrap: whole people drawn with replacement, the same draws for all methods.",
@@ -78,8 +81,11 @@ class Verification(Design):
         """
         memory = Memory(cache.folder / "recognition")
         engines, finder = self.recognition.engines(memory), self.recognition.finder(memory)
+        looks = (
+            PerceptualDistance(self.lpips, device=self.recognition.device) if self.lpips else None
+        )
         trials = [
-            Trial(self, cache, engine, maker, finder, name, progress=progress)
+            Trial(self, cache, engine, maker, finder, name, progress, looks)
             for name, engine in engines.items()
         ]
         landmarks = trials[0].landmarks  # refused before anything is rendered
@@ -98,7 +104,7 @@ class Verification(Design):
                 [test for outcome in outcomes for test in outcome.comparisons]
             ),
             **gather([one for outcome in outcomes for one in outcome.further]),
-            "config": self.describe(),
+            "config": {**self.describe(), "lpips": looks and looks.describe()},
             "recognition": {
                 "recognisers": {name: dict(engine.describe()) for name, engine in engines.items()},
                 **({"detector": finder.detector.describe()} if finder else {}),

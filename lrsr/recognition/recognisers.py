@@ -1,4 +1,4 @@
-"""What can recognise, by name? The embedder we ship, dlib's, any ONNX file, features not learned.
+"""What can recognise, by name? Embedders, dlib's or any ONNX file, features, mixed resolutions.
 
 All of them are one protocol: faces become rows of numbers, and rows become scores.
 """
@@ -16,6 +16,8 @@ from lrsr.evaluation.scores import ScoreSource
 from lrsr.recognition.dlib_encoder import DlibEncoder, dlib_is_installed
 from lrsr.recognition.engine import Engine
 from lrsr.recognition.features import FEATURES, Features
+from lrsr.recognition.mixed_resolution import NAME as MIXED
+from lrsr.recognition.mixed_resolution import MixedResolution
 from lrsr.recognition.registry import model_file
 
 _SHIPPED = "shipped"
@@ -86,32 +88,42 @@ def load_encoder(
     return DlibEncoder() if name == "dlib" else Engine(model, device=device)
 
 
-def find_recognisers(names: Sequence[str], model: Path | None = None) -> dict[str, str | Path]:
+def find_recognisers(
+    names: Sequence[str], model: Path | None = None, weights: Path | None = None
+) -> dict[str, str | Path]:
     """Find recognisers without loading them.
 
     Args:
-        names: Each "shipped", "dlib", one of :data:`lrsr.recognition.features.FEATURES`, a name
-            that ``lrsr models list`` knows, or an ONNX file.
+        names: Each "shipped", "dlib", one of :data:`lrsr.recognition.features.FEATURES`,
+            "mixed_resolution", a name that ``lrsr models list`` knows, or a file: ONNX, or
+            safetensors of ``lrsr train recognition=mixed_resolution``.
         model: ONNX embedder that stands in for the shipped one.
+        weights: Such safetensors for "mixed_resolution".
 
     Returns:
         A file, or a name that needs none, by what a report calls it: the file's, without ending.
 
     Raises:
-        InputError: There is none, several have one name, one is not here or not known, or a model
-            stands in for nobody.
+        InputError: There is none, several have one name, one is not here or not known, a model
+            stands in for nobody, or weights are missing or for nobody.
     """
     if not names:
         raise InputError("recognition.recognisers=[]: wanted at least one, such as shipped")
     if model is not None and _SHIPPED not in names:
         raise InputError(f"recognition.model={model}: add shipped to recognisers, or leave it")
+    if weights is not None and MIXED not in names:
+        raise InputError(f"recognition.weights={weights}: add {MIXED} to recognisers, or leave it")
+    if weights is None and MIXED in names:
+        raise InputError(
+            f"recognition.weights=null: {MIXED} has none of its own; give the model.safetensors"
+            f" of lrsr train recognition={MIXED}"
+        )
+    stand_in = {_SHIPPED: model, MIXED: weights}
     found: dict[str, str | Path] = {}
     for name in names:
-        known = name in (_SHIPPED, *_DLIB, *FEATURES)
-        source = (known and name) or model_file(name, "recogniser")
-        if name == _SHIPPED and model is not None:
-            source = model
-        label = source.stem if isinstance(source, Path) else name
+        known = name in (_SHIPPED, MIXED, *_DLIB, *FEATURES)
+        source = stand_in.get(name) or (known and name) or model_file(name, "recogniser")
+        label = source.stem if isinstance(source, Path) and name != MIXED else name
         if label in found:
             raise InputError(f"recognition.recognisers: {label} is there twice; give it once")
         found[label] = source
@@ -140,7 +152,8 @@ def load_recognisers(
 
 def _load(source: str | Path, engine: Callable[[Path | None], Engine]) -> Recogniser:
     if isinstance(source, Path):
-        return engine(source)
+        mixed = source.suffix == ".safetensors"
+        return MixedResolution(source) if mixed else engine(source)
     if source == _SHIPPED:
         return engine(None)
     return Features(source) if source in FEATURES else DlibEncoder()

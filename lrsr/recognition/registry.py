@@ -115,7 +115,7 @@ def model_file(name: str, kind: Kind) -> Path:
     """Return the file that a user means by ``recognition=NAME`` or ``recognition.detector=NAME``.
 
     Args:
-        name: Of a model that is here, of a source of such, or the path of an ONNX file.
+        name: Of a model that is here, of a source of such, or the path of a file.
         kind: What it is to do.
 
     Returns:
@@ -124,7 +124,7 @@ def model_file(name: str, kind: Kind) -> Path:
     Raises:
         InputError: There is none of this name, it is not here, or does something else.
     """
-    if os.sep in name or name.lower().endswith(".onnx"):
+    if os.sep in name or name.lower().endswith((".onnx", ".safetensors")):
         return user_path(name)
     here = records()
     known = {model.name: source for source in sources().values() for model in source.models}

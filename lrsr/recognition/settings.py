@@ -41,6 +41,7 @@ class RecognitionSettings:
         fallback: What stands for a face that is not found.
         recognisers: Names; see :func:`lrsr.recognition.recognisers.find_recognisers`.
         device: Where ONNX files run; see :func:`lrsr.onnx.providers_on`.
+        weights: Of mixed-resolution comparison, where it is among the recognisers.
     """
 
     model: Path | None = None
@@ -52,6 +53,7 @@ class RecognitionSettings:
     fallback: Fallback = "none"
     recognisers: tuple[str, ...] = ("shipped",)
     device: str = "auto"
+    weights: Path | None = None
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:
@@ -71,8 +73,9 @@ class RecognitionSettings:
         for name in rule:
             _choose("enlargement", name, tuple(vars(Enlargement())))
         model = path_if_any(given.model, "recognition.model")
+        weights = path_if_any(given.weights, "recognition.weights")
         recognisers = tuple(words(given, "recognisers"))
-        find_recognisers(recognisers, model)
+        find_recognisers(recognisers, model, weights)
         device = as_word(given.device, "recognition.device")
         _choose("device", device, DEVICES)
         detector = given.detector
@@ -92,6 +95,7 @@ class RecognitionSettings:
             fallback=given.fallback,
             recognisers=recognisers,
             device=device,
+            weights=weights,
         )
 
     def finder(self, memory: Memory | None = None) -> Finder | None:
@@ -129,7 +133,7 @@ class RecognitionSettings:
             memory=memory,
             device=self.device,
         )
-        found = load_recognisers(find_recognisers(self.recognisers, self.model), load)
+        found = load_recognisers(find_recognisers(self.recognisers, self.model, self.weights), load)
         if self.fallback != "none" and not all(isinstance(one, Engine) for one in found.values()):
             raise InputError(
                 f"recognition.fallback={self.fallback}: only ONNX files can take a whole picture"

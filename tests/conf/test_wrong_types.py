@@ -40,6 +40,7 @@ COMMANDS = {
     "train-srcnn": ["train=srcnn4x"],
     "train-edsr": ["train=edsr2x", "module.arguments.blocks=1", "module.arguments.features=8"],
     "train-arcface": ["train=arcface"],
+    "train-mixed": ["train=mixed_resolution"],
 }
 SHARED = {"identities", "rendering", "lens", "standpoint", "paths", "seed"}
 """What is read alike in every command, and tried in the first."""
@@ -102,6 +103,7 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         "pictures.export.export_to_folder",
         "recognition.store.verify",
         "experiments.upscaling.Upscaling.run",
+        "training.mixed_resolution.MixedResolution.train",
     ):
         monkeypatch.setattr(f"lrsr.{last}", stop)
     monkeypatch.setattr("lrsr.training.run.train", stop_at_the_trainer)

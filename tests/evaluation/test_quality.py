@@ -5,10 +5,10 @@ import pytest
 import torch
 from numpy.typing import ArrayLike
 from skimage.color import rgb2ycbcr
-from skimage.metrics import peak_signal_noise_ratio
+from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 
 from lrsr.errors import ImageContractError
-from lrsr.evaluation.quality import _luminance, psnr_y
+from lrsr.evaluation.quality import _luminance, psnr_y, ssim_y
 
 
 def pair(height: int = 24, width: int = 31, batch: int = 2) -> tuple[np.ndarray, np.ndarray]:
@@ -155,3 +155,36 @@ def test_images_of_any_origin_are_measured(image: ArrayLike, tolerance: float) -
 
 def test_what_float32_leaves_beyond_white_is_no_other_range() -> None:
     assert np.isfinite(_luminance(np.full((3, 2, 2), 1 + 2e-7))).all()
+
+
+@pytest.mark.parametrize("shave", [0, 2, 4])
+def test_ssim_agrees_with_scikit_image(shave: int) -> None:
+    a, b = pair()
+    inside = (slice(shave, 24 - shave), slice(shave, 31 - shave))
+    wang = {"gaussian_weights": True, "sigma": 1.5, "use_sample_covariance": False}
+    wanted = [
+        structural_similarity(_luminance(x)[inside], _luminance(y)[inside], data_range=1, **wang)
+        for x, y in zip(a, b, strict=True)
+    ]
+    assert ssim_y(a, b, shave) == pytest.approx(wanted, rel=1e-10)
+
+
+def test_ssim_of_equal_images_is_one_and_that_of_a_negative_below_zero() -> None:
+    a, b = pair()
+    assert ssim_y(a, a, 0) == pytest.approx([1, 1])
+    assert (ssim_y(a, 1 - a, 0) < 0).all()
+    assert ssim_y(a, b, 1) == pytest.approx(ssim_y(b, a, 1), rel=1e-12)
+
+
+def test_ssim_has_a_value_for_each_image() -> None:
+    a, b = pair()
+    assert ssim_y(a[0], b[0], 1).shape == ()
+    assert float(ssim_y(a[1], b[1], 1)) == pytest.approx(ssim_y(a, b, 1)[1], rel=1e-12)
+
+
+def test_ssim_needs_room_for_one_window() -> None:
+    a, b = pair(height=15)
+    assert np.isfinite(ssim_y(a, b, 2)).all()
+    assert np.isnan(ssim_y(a, b, 3)).all()
+    with pytest.raises(ImageContractError, match="leaves nothing"):
+        ssim_y(a, b, 8)

@@ -14,6 +14,7 @@ from fakes.painted import PaintedMaker
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.experiments.design import Condition
+from lrsr.experiments.likeness import Truth
 from lrsr.experiments.seen import Seen
 from lrsr.experiments.verification import Verification
 from lrsr.identities.head import Head
@@ -193,13 +194,14 @@ def test_pictures_of_turning_sizes_go_by_size_and_come_in_order(
     engine = Counting(tone_model)
     true = [replace(picture, image=picture.image.flip(-1)) for picture in pictures]
     seen = Seen(["shared"])
-    seen.look(engine, pictures, Bicubic(1), true)
-    assert batches == [3, 3]
+    seen.look(engine, pictures, Bicubic(1), Truth(true, engine))
+    assert batches == [3, 3, 3, 3]  # the pictures, and the references
     for k, (one, other) in enumerate(zip(pictures, true, strict=True)):
         alone = Seen(["shared"])
-        alone.look(engine, [one], Bicubic(1), [other])
+        alone.look(engine, [one], Bicubic(1), Truth([other], engine))
         np.testing.assert_allclose(seen.joined("shared")[k], alone.joined("shared")[0], atol=1e-6)
-        assert seen.decibels[k] == pytest.approx(alone.decibels[0])
+        for name, (value,) in alone.likeness.items():
+            assert seen.likeness[name][k] == pytest.approx(value, nan_ok=True)
 
 
 def two_people(folder: Path) -> Path:

@@ -36,20 +36,22 @@ def scored(signal: float, seed: int = 0) -> Scores:
     return Scores(matrix + signal * np.eye(len(PEOPLE)), PEOPLE, PEOPLE)
 
 
-def row(scores: Scores, decibels: tuple[float, ...] = ()) -> Record:
+def row(scores: Scores, errors: tuple[float, ...] = (), **likeness: tuple[float, ...]) -> Record:
     asked = design({"base": Bicubic(1)})
-    (found,), _, _ = evaluate(asked, CONDITION, {"base": scores}, {"base": decibels})
+    (found,), _, _ = evaluate(
+        asked, CONDITION, {"base": scores}, {"base": likeness}, errors={"base": errors}
+    )
     return found
 
 
 def compared(scores: Mapping[str, Scores]) -> list[Record]:
     asked = design({name: preset("sr", name) for name in scores})
-    return evaluate(asked, CONDITION, scores, dict.fromkeys(scores, ()))[1]
+    return evaluate(asked, CONDITION, scores, {name: {} for name in scores})[1]
 
 
 def test_row_has_the_area_that_scikit_learn_finds() -> None:
     scores = scored(0.3)
-    found = row(scores, (31.5,))
+    found = row(scores, psnr_y_db=(31.5,))
     truth = np.eye(len(PEOPLE)).ravel()
     assert found["auc"] == pytest.approx(roc_auc_score(truth, scores.matrix.ravel()), abs=1e-12)
     assert (found["n_genuine"], found["n_impostor"]) == (40, 40 * 39)
@@ -118,9 +120,23 @@ def test_a_method_equal_to_base_has_p_one() -> None:
 
 
 def test_psnr_is_the_mean_over_images_and_undefined_for_equal_ones() -> None:
-    assert row(scored(0.3), (30.0, 32.0))["psnr_y_db"] == 31.0
-    assert row(scored(0.3), (30.0, float("inf")))["psnr_y_db"] is None
-    assert row(scored(0.3), ())["psnr_y_db"] is None
+    assert row(scored(0.3), psnr_y_db=(30.0, 32.0))["psnr_y_db"] == 31.0
+    assert row(scored(0.3), psnr_y_db=(30.0, float("inf")))["psnr_y_db"] is None
+    assert row(scored(0.3))["psnr_y_db"] is None
+
+
+def test_likeness_is_the_mean_over_the_images_where_it_is_known() -> None:
+    found = row(scored(0.3), ssim_y=(0.5, 0.75), identity_similarity=(0.25, float("nan")))
+    assert (found["ssim_y"], found["identity_similarity"]) == (0.625, 0.25)
+    assert found["lpips"] is None
+    assert row(scored(0.3), ssim_y=(float("nan"),))["ssim_y"] is None
+
+
+def test_landmarks_are_off_by_the_mean_of_those_found() -> None:
+    found = row(scored(0.3), (0.1, 0.5, float("nan")))
+    assert found["landmark_distance_ipds"] == pytest.approx(0.3)
+    assert found["wrong_place"] == 0.5
+    assert row(scored(0.3))["landmark_distance_ipds"] is None
 
 
 def test_rows_and_comparisons_have_the_fields_of_the_results_file() -> None:
@@ -129,7 +145,7 @@ def test_rows_and_comparisons_have_the_fields_of_the_results_file() -> None:
         "landmarks", "auc", "std", "low", "high", "n_genuine", "n_impostor", "level", "logit_low",
         "logit_high", "subject_std", "subject_low", "subject_high", "bootstrap_low",
         "bootstrap_high", "psnr_y_db", "fta", "eer", "d_prime", "rank_1", "fnmr", "partial_auc",
-        "wrong_place",
+        "wrong_place", "landmark_distance_ipds", "ssim_y", "identity_similarity", "lpips",
     ]  # fmt: skip
     (comparison,) = compared({"base": scored(0.1), "srcnn4": scored(0.9)})
     assert list(comparison) == [
@@ -155,7 +171,7 @@ def own(
     scores: Mapping[str, Scores], errors: Mapping[str, object]
 ) -> tuple[list[Record], list[Record]]:
     asked = design({name: preset("sr", name) for name in scores})
-    return evaluate(asked, CONDITION, scores, dict.fromkeys(scores, ()), "own", errors)[:2]
+    return evaluate(asked, CONDITION, scores, {name: {} for name in scores}, "own", errors)[:2]
 
 
 def test_faces_in_a_wrong_place_are_counted_among_those_found() -> None:

@@ -27,6 +27,10 @@ def test_every_setting_is_read() -> None:
         *("recognition.alignment=deepface", "recognition.fallback=whole_image"),
         *("recognition.enlargement.border=0.5", "recognition.enlargement.shorter_px=1024"),
         "recognition.score_threshold=0.9",
+        *(
+            "recognition.recognisers=[shipped,mixed_resolution]",
+            "recognition.weights=c.safetensors",
+        ),
     ]
     assert read(*words) == RecognitionSettings(
         Path("a.onnx").resolve(),
@@ -36,6 +40,8 @@ def test_every_setting_is_read() -> None:
         0.9,
         "deepface",
         "whole_image",
+        ("shipped", "mixed_resolution"),
+        weights=Path("c.safetensors").resolve(),
     )
 
 

@@ -18,7 +18,8 @@ from lrsr.presets import build
 from lrsr.training.lessons import read_lessons
 from lrsr.training.progress import Progress
 
-NAMES = ("srcnn2x", "srcnn4x", "edsr2x", "edsr4x", "arcface")
+NETWORKS = ("srcnn2x", "srcnn4x", "edsr2x", "edsr4x", "arcface")
+NAMES = (*NETWORKS, "mixed_resolution")
 
 
 def composed(name: str, *overrides: str) -> DictConfig:
@@ -40,8 +41,12 @@ def test_every_network_and_its_lessons_are_built(name: str, tmp_path: Path) -> N
     data = lessons(name, tmp_path)
     assert [person.id for person in data.people][::3] == ["train-00000", "train-00003"]
     assert [person.split for person in data.validation_people] == ["validation"] * 2
-    module = build(composed(name, "seed=3").module, "module")
-    assert module.seed == 3
+    assert build(composed(name, "seed=3").module, "module").seed == 3
+
+
+@pytest.mark.parametrize("name", NETWORKS)
+def test_every_network_has_a_rate(name: str) -> None:
+    module = build(composed(name).module, "module")
     assert module.make_optimizer(module.parameter_groups()).param_groups[0]["lr"] > 0
 
 
@@ -55,7 +60,9 @@ def test_srcnn_is_trained_as_in_the_paper(name: str, epochs: int, scale: int) ->
     assert sorted(group["lr"] for group in optimizer.param_groups) == [1e-4, 1e-3]
 
 
-@pytest.mark.parametrize("name", ["srcnn2x", "arcface"], ids=["pairs", "faces"])
+@pytest.mark.parametrize(
+    "name", ["srcnn2x", "arcface", "mixed_resolution"], ids=["pairs", "faces", "encounters"]
+)
 @pytest.mark.parametrize(
     "changed",
     [

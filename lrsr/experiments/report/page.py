@@ -22,6 +22,14 @@ from lrsr.experiments.report.lines import (
 from lrsr.experiments.table import WRONG_PLACE_IPDS
 from lrsr.pages import encode_face, write_page
 
+_LIKENESS = (
+    ("psnr_y_db", "PSNR&#8209;Y <small>dB</small>", "%.2f"),
+    ("ssim_y", "SSIM&#8209;Y", "%.3f"),
+    ("identity_similarity", "Identity", "%.3f"),
+    ("lpips", "LPIPS", "%.3f"),
+)
+"""Of a method's pictures to the true references: name in a row, in the table, and format."""
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -108,7 +116,7 @@ def write_report(
         several_options=several,
         level=f"{100 * config['level']:g} %",
         against=[dict(some) for some in (others[:1], others[1:]) if some],  # the first is Base
-        shows_psnr=any(row["psnr_y_db"] is not None for row in rows),
+        likeness=[one for one in _LIKENESS if any(row.get(one[0]) is not None for row in rows)],
         shows_places=any(row.get("wrong_place") is not None for row in rows),
         boot=any(row.get("bootstrap_low") is not None for row in rows),
         partial=next((p["max_fmr"] for row in rows for p in row.get("partial_auc", ())), None),
