@@ -8,7 +8,7 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.evaluation.quality import psnr_y
-from lrsr.images import scale_points
+from lrsr.experiments.several import Several, see, surest
 from lrsr.pictures.picture import Picture, stack
 from lrsr.recognition.alignment import landmark_errors
 from lrsr.recognition.finder import Finder
@@ -63,7 +63,7 @@ class Seen:
         self,
         engine: Recogniser,
         pictures: Sequence[Picture],
-        upscaler: Upscaler,
+        upscaler: Upscaler | Several,
         true: Sequence[Picture] | None = None,
     ) -> None:
         """Look at further pictures.
@@ -82,12 +82,15 @@ class Seen:
         found: list[tuple[_Floats, _Floats]] = []
         decibels = np.empty(0 if true is None else len(true))
         for members in alike.values():
-            images, known = stack([pictures[i] for i in members])
-            enlarged, points = upscaler(images), scale_points(known, upscaler.scale).numpy()
-            found.append(self._embed(engine, enlarged, points, parts))
-            if true is not None:
-                references = stack([true[i] for i in members])[0].numpy()
-                decibels[members] = psnr_y(enlarged.numpy(), references, shave=upscaler.scale)
+            views, points = see(upscaler, [pictures[i] for i in members])
+            found.append(self._embed(engine, upscaler, views, points.numpy(), parts))
+            if true is None:
+                continue
+            if views.shape[1] > 1:  # no one picture is what it makes of a probe
+                true, decibels = None, np.empty(0)
+                continue
+            references = stack([true[i] for i in members])[0].numpy()
+            decibels[members] = psnr_y(views[:, 0].numpy(), references, shave=upscaler.scale)
         for landmarks, rows in parts.items():
             self._embeddings[landmarks].append(np.concatenate(rows)[order])
         errors, scores = (np.concatenate(some)[order] for some in zip(*found, strict=True))
@@ -98,15 +101,31 @@ class Seen:
     def _embed(
         self,
         engine: Recogniser,
-        images: torch.Tensor,
+        upscaler: Upscaler | Several,
+        views: torch.Tensor,
         points: NDArray[np.float32],
         parts: dict[Landmarks, list[_Floats]],
     ) -> tuple[_Floats, _Floats]:
-        """Add embeddings of one batch; return the errors of the landmarks found, and scores."""
+        """Add embeddings of one batch; return the errors of the landmarks found, and scores.
+
+        Of several views these are those of the one with the highest score.
+        """
+        images, points = views.flatten(0, 1), points.reshape(-1, *points.shape[2:])
+        faces = None if self._finder is None else self._finder(images)
+        nothing = np.full(len(images), np.nan)
+        scores = (nothing if faces is None else faces.scores).reshape(views.shape[:2])
+        errors = nothing if faces is None else landmark_errors(faces.landmarks_px, points)
+
+        def pooled(rows: _Floats) -> _Floats:
+            several = rows.reshape(*scores.shape, -1)
+            if isinstance(upscaler, Several):
+                return upscaler.pool(several, scores)
+            return several[:, 0]
+
         if "shared" in parts:
-            parts["shared"].append(engine.embed(images, points))
-        if self._finder is None:
-            return np.full(len(images), np.nan), np.full(len(images), np.nan)
-        faces = self._finder(images)
-        parts["own"].append(engine.embed(images, faces.landmarks_px, faces.boxes_px))
-        return landmark_errors(faces.landmarks_px, points), faces.scores
+            parts["shared"].append(pooled(engine.embed(images, points)))
+        if faces is not None:
+            rows = engine.embed(images, faces.landmarks_px, faces.boxes_px)
+            parts["own"].append(pooled(rows))
+        best = surest(scores)
+        return errors.reshape(scores.shape)[best], scores[best]

@@ -52,6 +52,8 @@ OTHERS: dict[str, Any] = {
     "ipd_px": 9.0,
     "scale": 2,
     "bands": 35,
+    "shift_px": (0.5, 0.0),
+    "nearer": 0.01,
     "samples_per_pixel": 16,
     "max_depth": 8,
     "texture_size": 64,
