@@ -70,6 +70,9 @@ def test_a_scene_is_recorded_in_plain_values_with_its_names() -> None:
         ({"bands": -1}, "bands=-1: wanted 0"),
         ({"bands": 6}, "bands=6: wanted 0, or 7 to 350"),
         ({"bands": 351}, "bands=351: wanted 0"),
+        ({"shift_px": (0, -2)}, r"shift_px=\(0.0, -2.0\): wanted less than 2 px"),
+        ({"shift_px": 1}, r"shift_px=1: wanted two numbers"),
+        ({"nearer": 0.6}, "nearer=0.6: wanted -0.5 to 0.5"),
     ],
     ids=str,
 )
