@@ -114,7 +114,7 @@ class Mean(_Fusion):
         super().__init__(scale, registration, label)
 
     def _fuse(self, frames: torch.Tensor, motions: torch.Tensor) -> torch.Tensor:
-        return lay_over(frames, motions, self.scale).nanmean(dim=1)
+        return _lay_over(frames, motions, self.scale).nanmean(dim=1)
 
 
 class ShiftAndAdd(_Fusion):
@@ -173,7 +173,7 @@ class ShiftAndAdd(_Fusion):
         require(self.iterations >= 1, "iterations", iterations, "at least 1")
 
     def _fuse(self, frames: torch.Tensor, motions: torch.Tensor) -> torch.Tensor:
-        picture = lay_over(frames, motions, self.scale).nanquantile(0.5, dim=1)
+        picture = _lay_over(frames, motions, self.scale).nanquantile(0.5, dim=1)
         height, width = frames.shape[-2:]
         there = motions.isfinite().all(dim=(-2, -1))
         places = scale_points(_pixels_through(_inverse(motions), (height, width)), self.scale)
@@ -224,7 +224,7 @@ class ShiftAndAdd(_Fusion):
         return {**super().describe(), **{name: getattr(self, name) for name in names}}
 
 
-def lay_over(frames: torch.Tensor, motions: torch.Tensor, scale: int) -> torch.Tensor:
+def _lay_over(frames: torch.Tensor, motions: torch.Tensor, scale: int) -> torch.Tensor:
     """Look at every frame where the points of the first one are, on a grid ``scale`` times finer.
 
     Args:
