@@ -140,6 +140,11 @@ class Design:
         for lens in (condition.scene.lens for condition in self.conditions if condition.scene):
             self.camera.check_lens(lens.name, pinhole=lens.is_pinhole)
         require(len(self.upscalers) > 0, "methods", [], "at least one")
+        if "own" not in self.recognition.landmarks:
+            for name, one in self.upscalers.items():
+                chosen = isinstance(one, Several) and one.needs_detector
+                wish = f"both or own: {name} chooses by the detector's score"
+                require(not chosen, "recognition.landmarks", "shared", wish)
         require(0 < self.level < 1, "level", self.level, "between 0 and 1")
         require(self.bootstrap >= 0, "bootstrap", self.bootstrap, "0 or more draws")
         known = f"one of {', '.join(CALIBRATORS)}"

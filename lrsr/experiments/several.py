@@ -52,6 +52,11 @@ class Several(ABC):
         """New size over old."""
 
     @property
+    def needs_detector(self) -> bool:
+        """Does it choose by what a face detector says?"""
+        return False
+
+    @property
     def learned(self) -> bool:
         """Did a part of it learn from pictures?"""
         return self.upscaler.learned
@@ -149,6 +154,11 @@ class Pooled(Several):
         """New size over old."""
         return self.upscaler.scale
 
+    @property
+    def needs_detector(self) -> bool:
+        """Does it choose by what a face detector says?"""
+        return self.pooling == "best" and self.frames > 1
+
     def see(
         self, srgb: torch.Tensor, landmarks_px: torch.Tensor
     ) -> tuple[torch.Tensor, torch.Tensor]:
@@ -241,4 +251,4 @@ def _read(name: str, frames: int, changes: dict[str, Any]) -> Several:
 
 def _label(name: str, method: Several) -> str:
     after = "" if method.upscaler.scale == 1 else f" + {method.upscaler.label}"
-    return f"{name}{after}, {method.frames} {'frame' if method.frames == 1 else 'frames'}"
+    return f"{name} of {method.frames}{after}"

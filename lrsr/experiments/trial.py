@@ -17,7 +17,7 @@ from lrsr.experiments.further import NAMES, Further, look_further
 from lrsr.experiments.labels import Labels, labels_of, labels_of_entry
 from lrsr.experiments.report.page import Panel
 from lrsr.experiments.seen import Seen
-from lrsr.experiments.several import see
+from lrsr.experiments.several import Pooled, see
 from lrsr.experiments.table import Record, evaluate
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
@@ -308,9 +308,8 @@ class Trial:
         images = stack(first)[0]
         columns = {"Gallery": stack(beside)[0], "Probe": images}
         for upscaler in self.design.upscalers.values():
-            views = see(upscaler, first)[0]
-            if upscaler.scale > 1 and views.shape[1] == 1:
-                columns[upscaler.label] = views[:, 0]
+            if upscaler.scale > 1 and not isinstance(upscaler, Pooled):  # those make no picture
+                columns[upscaler.label] = see(upscaler, first)[0][:, 0]
         finest = references[self._scales[-1]] if self._scales else None
         true = {} if finest is None else {"Reference": stack(finest.load(0, _SHOWN))[0]}
         return {**columns, **true}

@@ -152,7 +152,7 @@ class ShiftAndAdd(_Fusion):
         self,
         scale: int,
         registration: Registration | None = None,
-        label: str = "Shift and add",
+        label: str = "Shift-add",
         *,
         blur_px: float = 0.5,
         weight: float = 0.05,

@@ -22,8 +22,10 @@ from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting
+from lrsr.pictures.to_folder import RenderSettings, render_to_folder
 from lrsr.presets import preset, presets
 from lrsr.recognition import Engine
+from lrsr.recognition.settings import RecognitionSettings
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.sr import Bicubic, Correlation, Mean
 
@@ -97,8 +99,8 @@ def test_one_frame_is_the_single_picture() -> None:
 
 
 def test_methods_say_what_they_are() -> None:
-    assert fused().label == "Mean, 3 frames"
-    assert fused(1, 1, 4).label == "Mean + Bicubic 4, 1 frame"
+    assert fused().label == "Mean of 3"
+    assert fused(1, 1, 4).label == "Mean of 1 + Bicubic 4"
     assert (fused(1, 2, 4).scale, pooled(scale=4).scale) == (8, 4)
     assert not fused().learned
     assert Fused(1, preset("sr", "srcnn2"), "x_1", Mean(2)).learned
@@ -139,7 +141,7 @@ def test_a_fusion_is_changed_and_added_on_its_own() -> None:
     added = "+fusion.mine={like: embedding_mean, upscaler: base}"
     found = several("fusions=[mean,mine]", "frames=3", *words, added)
     assert list(found) == ["mean_3", "mine_3"]
-    assert (found["mean_3"].label, found["mean_3"].scale) == ("Mean + SR 2, 3 frames", 2)
+    assert (found["mean_3"].label, found["mean_3"].scale) == ("Mean of 3 + SR 2", 2)
     assert (found["mine_3"].scale, found["mine_3"].alone) == (1, "mine_1")
 
 
@@ -212,9 +214,34 @@ def test_several_frames_of_noise_tell_more_than_one(tmp_path: Path, tone_model: 
         ("pooled_6", "pooled_1"),
         ("fused_6", "base"),
     ]
-    assert list(outcome.panel.pictures) == [
+    assert [*outcome.panel.pictures] == [
         "Gallery",
         "Probe",
-        "Mean + Bicubic 2, 6 frames",
+        "Mean of 6 + Bicubic 2",
         "Reference",
     ]
+
+
+def test_bursts_of_a_folder_give_the_rows_of_the_people_they_show(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    cache, maker = RenderCache(tmp_path / "cache"), NoisyMaker()
+    sitting = Sitting(PEOPLE, SCENE, Film(8.0), QUALITY.at(8.0))
+    probes = tmp_path / "probes"
+    settings = RenderSettings(probes, sitting, Camera(), scales=(1, 2), frames=6)
+    render_to_folder(settings, cache, progress=False, maker=maker)
+    condition = Condition(1, None, "none", 8.0, "frontal", "frontal")
+    read = replace(DESIGN, conditions=(condition,), probes_folder=probes)
+    rows = [
+        next(iter(Trial(one, cache, Engine(tone_model), maker, progress=False).outcomes())).rows
+        for one in (DESIGN, read)
+    ]
+    assert rows[1] == rows[0]
+
+
+def test_the_best_frame_needs_a_detector() -> None:
+    methods = {"best_6": pooled("best", frames=6)}
+    with pytest.raises(
+        InputError, match=r"recognition\.landmarks=shared: wanted both or own: best_6"
+    ):
+        replace(DESIGN, upscalers=methods, recognition=RecognitionSettings(landmarks=("shared",)))
