@@ -132,8 +132,10 @@ def several_names() -> list[str]:
     return ["mean", "shift_and_add", "embedding_mean", "best_frame"]
 
 
-def test_every_shipped_fusion_is_among_them() -> None:
-    assert sorted(several_names()) == presets("fusion")
+def test_the_oracle_is_the_only_other_shipped_fusion() -> None:
+    assert sorted([*several_names(), "mean_true"]) == presets("fusion")
+    told = several("fusions=mean_true", "frames=2")["mean_true_2"].describe()["fusion"]
+    assert told["registration"]["by"] == "true landmarks"  # type: ignore[index]  # plain values
 
 
 def test_a_fusion_is_changed_and_added_on_its_own() -> None:
