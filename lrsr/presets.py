@@ -35,6 +35,15 @@ def preset(group: str, name: str, /, **changes: Any) -> Any:
         >>> preset("pose", "left", pitch_deg=5)
         Pose(name='left', yaw_deg=30.0, pitch_deg=5.0, roll_deg=0.0)
     """
+    return build(node_of(group, name, changes), group)
+
+
+def node_of(group: str, name: str, changes: Mapping[str, Any]) -> Any:
+    """Return what ``conf/GROUP/NAME.yaml`` says, with some fields replaced.
+
+    Raises:
+        InputError: There is no such preset.
+    """
     from omegaconf import OmegaConf  # and Hydra below: a quarter of a second where it is used
 
     known = presets(group)
@@ -42,7 +51,7 @@ def preset(group: str, name: str, /, **changes: Any) -> Any:
         near = get_close_matches(str(name), known, n=1)
         hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(known)}"
         raise InputError(f"{group}={name}: there is none; {hint}")
-    return build(OmegaConf.merge(_read_preset(group, name), changes), group)
+    return OmegaConf.merge(_read_preset(group, name), changes)
 
 
 def presets(group: str) -> list[str]:

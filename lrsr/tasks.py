@@ -117,12 +117,12 @@ def run_identities(config: "DictConfig") -> Path:
 
 _OF_PROBES = (
     *("ipd_px", "options", "conditions", "lens", "standpoint", "camera"),
-    *("expression", "another_day"),
+    *("expression", "another_day", "burst"),
 )
 _OF_PEOPLE = ("identities", "rendering")
 _OF_SCENES = (
     *("pose", "lighting", "lens", "standpoint", "expression", "another_day"),
-    *("ipd_px", "compression"),
+    *("ipd_px", "compression", "burst"),
 )
 _OF_EXPORTS = ("pose", "lighting", "expression", "another_day", "ipd_px", "lens", "standpoint")
 _OF_THE_CHECK = ("gallery", "recognition", "encoder", "smallest_angle_deg", "most_redraws")
@@ -196,6 +196,7 @@ def run_render(config: "DictConfig") -> Path:
         camera_settings=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
         compression=as_word(config.compression, "compression"),
         scales=whole_numbers(config, "scales"),
+        frames=whole_number(config, "frames"),
         png16=flag(config, "png16"),
     )
     _tell_unread(str(config.kind))

@@ -6,7 +6,7 @@ import torch
 
 from lrsr.camera.distortion import Distortion
 from lrsr.camera.image_plane import mm_to_pixels, pixel_grid, pixels_to_mm
-from lrsr.camera.resampling import sample_bicubic
+from lrsr.resampling import sample_bicubic
 
 
 @dataclass(frozen=True)

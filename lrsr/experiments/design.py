@@ -22,9 +22,11 @@ from lrsr.configuration import (
 )
 from lrsr.evaluation.calibrators import CALIBRATORS
 from lrsr.experiments.asked import Asked
+from lrsr.experiments.several import Several, read_several
 from lrsr.identities.roster import IdentityRange
 from lrsr.paths import path_if_any
-from lrsr.pictures.sitting import Sitting, read_gallery, read_people, read_quality
+from lrsr.pictures.burst import STILL, Burst
+from lrsr.pictures.sitting import Sitting, read_burst, read_gallery, read_people, read_quality
 from lrsr.pictures.source import Photographs, read_photographs
 from lrsr.presets import build, preset, presets, value_of
 from lrsr.recognition.settings import RecognitionSettings
@@ -89,7 +91,7 @@ class Design:
         name: Of the experiment.
         question: What its table answers.
         conditions: The rows of the table, in order.
-        upscalers: The methods of every row, by name.
+        upscalers: The methods of every row, by name; some may take several frames.
         people: Who takes part.
         quality: How well a probe of 8 px is rendered.
         seed: Every sampler's seed follows from it.
@@ -105,6 +107,7 @@ class Design:
         calibration: Of the likelihood ratios, one of
             :data:`lrsr.evaluation.calibrators.CALIBRATORS`.
         lpips: ONNX file that says how far pictures look from their references; None: nobody asks.
+        burst: How the frames of a probe differ, where a method takes several.
 
     Raises:
         InputError: A number is out of its range, or the camera has a lens of its own besides a
@@ -114,7 +117,7 @@ class Design:
     name: str
     question: str
     conditions: tuple[Condition, ...]
-    upscalers: Mapping[str, Upscaler]
+    upscalers: Mapping[str, Upscaler | Several]
     people: IdentityRange
     quality: Quality
     seed: int
@@ -128,6 +131,7 @@ class Design:
     save_scores: bool = True
     calibration: str = "logistic"
     lpips: Path | None = None
+    burst: Burst = STILL
 
     def __post_init__(self) -> None:
         count = self.people.count
@@ -138,6 +142,11 @@ class Design:
         for lens in (condition.scene.lens for condition in self.conditions if condition.scene):
             self.camera.check_lens(lens.name, pinhole=lens.is_pinhole)
         require(len(self.upscalers) > 0, "methods", [], "at least one")
+        if "own" not in self.recognition.landmarks:
+            for name, one in self.upscalers.items():
+                chosen = isinstance(one, Several) and one.needs_detector
+                wish = f"both or own: {name} chooses by the detector's score"
+                require(not chosen, "recognition.landmarks", "shared", wish)
         require(0 < self.level < 1, "level", self.level, "between 0 and 1")
         require(self.bootstrap >= 0, "bootstrap", self.bootstrap, "0 or more draws")
         known = f"one of {', '.join(CALIBRATORS)}"
@@ -157,7 +166,7 @@ class Design:
             name=as_word(config.name, "name"),
             question=as_word(config.question, "question"),
             conditions=conditions,
-            upscalers=_upscalers(config),
+            upscalers=_upscalers(config) | read_several(config),
             people=read_people(config),
             quality=read_quality(config),
             seed=seed_of(config),
@@ -171,7 +180,13 @@ class Design:
             save_scores=flag(config, "save_scores"),
             calibration=as_word(config.calibration, "calibration"),
             lpips=path_if_any(config.lpips, "lpips"),
+            burst=read_burst(config),
         )
+
+    @property
+    def frames(self) -> int:
+        """How many frames of a probe the methods take at most."""
+        return max(getattr(one, "frames", 1) for one in self.upscalers.values())
 
     @property
     def asked(self) -> Asked:
@@ -196,6 +211,7 @@ class Design:
             "bootstrap": self.bootstrap,
             "calibration": self.calibration,
             "seed": self.seed,
+            **({"burst": asdict(self.burst)} if self.frames > 1 else {}),
             "probes_folder": None if self.probes_folder is None else str(self.probes_folder),
             "gallery_folder": None if self.gallery_folder is None else str(self.gallery_folder),
         }
@@ -231,7 +247,7 @@ def _condition_of(photographs: Photographs) -> Condition:
     return Condition(1, None, ipd_px=common("ipd_px", None), **names)
 
 
-def _upscalers(config: "DictConfig") -> dict[str, Upscaler]:
+def _upscalers(config: "DictConfig") -> dict[str, Upscaler | Several]:
     from omegaconf import OmegaConf
 
     as_mapping(config.sr, "sr")

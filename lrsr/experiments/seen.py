@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
 from lrsr.experiments.likeness import Truth, by_size
-from lrsr.images import scale_points
-from lrsr.pictures.picture import Picture, stack
+from lrsr.experiments.several import Several, see, surest
+from lrsr.pictures.picture import Picture
 from lrsr.recognition.alignment import landmark_errors
 from lrsr.recognition.finder import Finder
 from lrsr.recognition.recognisers import Recogniser
@@ -64,7 +63,7 @@ class Seen:
         self,
         engine: Recogniser,
         pictures: Sequence[Picture],
-        upscaler: Upscaler,
+        upscaler: Upscaler | Several,
         true: Truth | None = None,
     ) -> None:
         """Look at further pictures.
@@ -81,17 +80,27 @@ class Seen:
         found: list[tuple[_Floats, _Floats]] = []
         likeness: list[dict[str, _Floats]] = []
         for members in groups:
-            images, known = stack([pictures[i] for i in members])
-            enlarged, points = upscaler(images), scale_points(known, upscaler.scale).numpy()
-            if "shared" in parts or true is not None:
-                embedded = engine.embed(enlarged, points)
+            views, points = see(upscaler, [pictures[i] for i in members])
+            images, known = views.flatten(0, 1), points.flatten(0, 1).numpy()
+            # of several views no one is what the method makes of a probe
+            measured = None if views.shape[1] > 1 else true
+            faces = None if self._finder is None else self._finder(images)
+            nothing = np.full(len(images), np.nan)
+            scores = (nothing if faces is None else faces.scores).reshape(views.shape[:2])
+            errors = nothing if faces is None else landmark_errors(faces.landmarks_px, known)
+            if "shared" in parts or measured is not None:
+                embedded = engine.embed(images, known)
             if "shared" in parts:
-                parts["shared"].append(embedded)
-            if true is not None:
-                likeness.append(true.measure(members, enlarged, embedded, upscaler.scale))
-            found.append(self._found(engine, enlarged, points, parts))
-        for landmarks, rows in parts.items():
-            self._embeddings[landmarks].append(np.concatenate(rows)[order])
+                parts["shared"].append(_pooled(upscaler, embedded, scores))
+            if measured is not None:
+                likeness.append(measured.measure(members, images, embedded, upscaler.scale))
+            if faces is not None:
+                rows = engine.embed(images, faces.landmarks_px, faces.boxes_px)
+                parts["own"].append(_pooled(upscaler, rows, scores))
+            best = surest(scores)  # of several views
+            found.append((errors.reshape(scores.shape)[best], scores[best]))
+        for source, rows_of in parts.items():
+            self._embeddings[source].append(np.concatenate(rows_of)[order])
         errors, scores = (np.concatenate(some)[order] for some in zip(*found, strict=True))
         self._errors.append(errors)
         self._scores.append(scores)
@@ -99,16 +108,8 @@ class Seen:
             values = np.concatenate([one[name] for one in likeness])[order]
             self.likeness.setdefault(name, []).extend(values.tolist())
 
-    def _found(
-        self,
-        engine: Recogniser,
-        images: torch.Tensor,
-        points: NDArray[np.float32],
-        parts: dict[Landmarks, list[_Floats]],
-    ) -> tuple[_Floats, _Floats]:
-        """Add embeddings of the faces found; return the errors of their landmarks, and scores."""
-        if self._finder is None:
-            return np.full(len(images), np.nan), np.full(len(images), np.nan)
-        faces = self._finder(images)
-        parts["own"].append(engine.embed(images, faces.landmarks_px, faces.boxes_px))
-        return landmark_errors(faces.landmarks_px, points), faces.scores
+
+def _pooled(upscaler: Upscaler | Several, rows: _Floats, scores: _Floats) -> _Floats:
+    """Return one row for each picture, ``(B, D)``, of those of all views, ``(B * M, D)``."""
+    views = rows.reshape(*scores.shape, -1)
+    return upscaler.pool(views, scores) if isinstance(upscaler, Several) else views[:, 0]

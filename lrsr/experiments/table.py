@@ -17,6 +17,7 @@ from lrsr.evaluation.scores import ScoreSource
 from lrsr.evaluation.summary import Evaluation, Summary, summarise
 from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.likeness import MEASURES
+from lrsr.experiments.several import Several
 from lrsr.recognition.settings import Landmarks
 from lrsr.sr.upscaler import Upscaler
 
@@ -57,7 +58,7 @@ def evaluate(
     Returns:
         A row a method, the paired tests, and the summary of each method. A row names experiment,
         option, ipd_px, pose, lighting and compression of the probe (empty or None where a
-        photograph's are not known), method, label and landmarks; holds the numbers of
+        photograph's are not known), method, label, frames and landmarks; holds the numbers of
         :class:`~lrsr.evaluation.delong.AucEstimate`; psnr_y_db (mean over the
         probes; None where nothing is enlarged or a probe equals its reference), fta, eer, d_prime,
         rank_1; fnmr, an :class:`~lrsr.evaluation.rates.OperatingPoint` for each target FMR;
@@ -124,20 +125,28 @@ def _measure(
     return Evaluation(summaries, comparisons)
 
 
-def _rivals(upscalers: Mapping[str, Upscaler]) -> list[tuple[str, str]]:
+def _rivals(upscalers: Mapping[str, Upscaler | Several]) -> list[tuple[str, str]]:
     """Pair every method with the picture as it is, and every learned one with its bicubic.
 
-    The bicubic of a learned method is the one that enlarges as much; what is not among the methods
-    is not compared with.
+    One that takes several frames is paired with itself on one. The bicubic of a learned method is
+    the one that enlarges as much; what is not among the methods is not compared with.
     """
-    plain = {upscaler.scale: name for name, upscaler in upscalers.items() if not upscaler.learned}
+    plain = {
+        upscaler.scale: name
+        for name, upscaler in upscalers.items()
+        if not (upscaler.learned or isinstance(upscaler, Several))
+    }
     return [
         (name, against)
         for name, upscaler in upscalers.items()
         for against in dict.fromkeys(
-            (plain.get(1), plain.get(upscaler.scale) if upscaler.learned else None)
+            (
+                plain.get(1),
+                plain.get(upscaler.scale) if upscaler.learned else None,
+                upscaler.alone if isinstance(upscaler, Several) else None,
+            )
         )
-        if against is not None and against != name
+        if against is not None and against in upscalers and against != name
     ]
 
 
@@ -151,6 +160,7 @@ def _names(design: Design, condition: Condition, method: str, landmarks: Landmar
         "compression": condition.compression,
         "method": method,
         "label": design.upscalers[method].label,
+        "frames": getattr(design.upscalers[method], "frames", 1),
         "landmarks": landmarks,
     }
 

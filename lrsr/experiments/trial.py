@@ -18,6 +18,7 @@ from lrsr.experiments.labels import Labels, labels_of, labels_of_entry
 from lrsr.experiments.likeness import Truth
 from lrsr.experiments.report.page import Panel
 from lrsr.experiments.seen import Seen
+from lrsr.experiments.several import Pooled, see
 from lrsr.experiments.table import Record, evaluate
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
@@ -25,9 +26,11 @@ from lrsr.pictures.picture import Picture, stack
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.sitting import Sitting
 from lrsr.pictures.source import (
+    Bursts,
     Photographs,
     Rendered,
     Source,
+    bursts_of,
     chunks,
     read_photographs,
     references_of,
@@ -116,11 +119,24 @@ class Trial:
         return self._rendered(self.design.gallery.recipes(), self.design.camera.clean())
 
     def probes(self, condition: Condition) -> Source:
-        """Return the probes."""
+        """Return the probes, with as many frames as the methods take.
+
+        Raises:
+            InputError: A folder lacks a frame.
+        """
+        frames = self.design.frames
         if "probe" in self._given:
-            return self._given["probe"]
-        camera = self.design.camera.compressing(condition.compression)
-        return self._rendered(self._sitting(condition).recipes(), camera)
+            given = self._given["probe"]
+            return bursts_of(given, frames) if frames > 1 else given
+        camera, sitting = (
+            self.design.camera.compressing(condition.compression),
+            self._sitting(condition),
+        )
+        taken = [
+            Rendered(sitting.recipes(frame=n), camera, self.cache, self.maker, self.progress)
+            for n in range(frames)
+        ]
+        return Bursts(taken) if frames > 1 else taken[0]
 
     def references(self, condition: Condition, scale: int) -> Source | None:
         """Return the true references of the probes; None: a folder has none."""
@@ -193,8 +209,9 @@ class Trial:
             people |= {one.identity_id: labels_of(one.traits) for one in some if one.traits}
             for method, upscaler in upscalers.items():
                 seen[method].look(self.engine, some, upscaler, true.get(upscaler.scale))
-        if isinstance(probes, Photographs):
-            people = {entry.identity_id: labels_of_entry(entry) for entry in probes.entries}
+        if "probe" in self._given:
+            entries = self._given["probe"].entries
+            people = {entry.identity_id: labels_of_entry(entry) for entry in entries}
         judged = {
             landmarks: self._judge(
                 condition,
@@ -295,8 +312,8 @@ class Trial:
         images = stack(first)[0]
         columns = {"Gallery": stack(beside)[0], "Probe": images}
         for upscaler in self.design.upscalers.values():
-            if upscaler.scale > 1:
-                columns[upscaler.label] = upscaler(images)
+            if upscaler.scale > 1 and not isinstance(upscaler, Pooled):  # those make no picture
+                columns[upscaler.label] = see(upscaler, first)[0][:, 0]
         finest = references[self._scales[-1]] if self._scales else None
         true = {} if finest is None else {"Reference": stack(finest.load(0, _SHOWN))[0]}
         return {**columns, **true}
@@ -311,4 +328,5 @@ class Trial:
             film=Film(condition.ipd_px),
             quality=asked.quality.at(condition.ipd_px),
             seed=asked.seed,
+            burst=asked.burst,
         )

@@ -63,6 +63,8 @@ class Entry:
         run_seed: From which that of the sampler follows.
         another_day: Name of what may have changed since the person was enrolled.
         changes: What has, e.g. "hair=cut years=4.2 glasses=round".
+        frame: Number of the picture in the burst that it belongs to; 0 is the first, or the only
+            one.
         settings: Everything that made the picture, as JSON.
         further: Columns that are not ours, by their names.
     """
@@ -95,6 +97,7 @@ class Entry:
     run_seed: int | None = None
     another_day: str = ""
     changes: str = ""
+    frame: int = 0
     settings: str = ""
     further: Mapping[str, str] = field(default_factory=dict)
 
@@ -297,6 +300,13 @@ def _scale(text: str) -> int:
     return scale
 
 
+def _frame(text: str) -> int:
+    frame = _whole(text)
+    if frame < 0:
+        raise ValueError("wanted a number >= 0")
+    return frame
+
+
 def _whole(text: str) -> int:
     value = _finite(text)
     if value != int(value):
@@ -315,6 +325,7 @@ _READERS: Mapping[str, Callable[[str], object]] = {
     **dict.fromkeys(("file", "linear_file"), _slashed),
     **dict.fromkeys(("ipd_px", "yaw_deg", "pitch_deg", "roll_deg"), _finite),
     **dict.fromkeys(("seed", "samples_per_pixel", "run_seed"), _whole),
+    "frame": _frame,
     "scale": _scale,
     "landmarks_px": _points,
 }

@@ -21,6 +21,7 @@ class Picture:
         source: Where it came from: a file, or "rendered" with the names of pose and light.
         scale: How many times finer than the ×1 film.
         traits: What is recorded of who it shows, where it is known.
+        later: The other frames of the burst that it is the first of, as large as it.
     """
 
     image: torch.Tensor
@@ -29,6 +30,7 @@ class Picture:
     source: str
     scale: int = 1
     traits: Traits | None = None
+    later: Sequence["Picture"] = ()
 
 
 def stack(pictures: Sequence[Picture]) -> tuple[torch.Tensor, torch.Tensor]:
@@ -45,3 +47,25 @@ def stack(pictures: Sequence[Picture]) -> tuple[torch.Tensor, torch.Tensor]:
     nowhere = torch.full((5, 2), torch.nan)
     points = [nowhere if one.landmarks_px is None else one.landmarks_px for one in pictures]
     return torch.stack([picture.image for picture in pictures]), torch.stack(points)
+
+
+def stack_bursts(pictures: Sequence[Picture], frames: int) -> tuple[torch.Tensor, torch.Tensor]:
+    """Return the first frames of bursts, ``(B, N, 3, H, W)``, and landmarks ``(B, N, 5, 2)``.
+
+    Args:
+        pictures: Of one size; each the first frame of its burst.
+        frames: How many of each, N.
+
+    Raises:
+        InputError: The sizes differ, there are none, or a burst has fewer frames.
+    """
+    for picture in pictures:
+        if len(picture.later) < frames - 1:
+            raise InputError(
+                f"{picture.source} ({picture.identity_id}) has {1 + len(picture.later)} frames:"
+                f" wanted {frames}"
+            )
+    several = [one for first in pictures for one in (first, *first.later[: frames - 1])]
+    images, points = stack(several)
+    images = images.reshape(-1, frames, *images.shape[1:])
+    return images, points.reshape(-1, frames, 5, 2)

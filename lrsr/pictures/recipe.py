@@ -43,7 +43,7 @@ class Recipe:
         if not 0 <= self.seed <= LARGEST_SEED:
             raise InputError(f"seed={self.seed}: wanted 0 to {LARGEST_SEED}")
 
-    def seeded(self, seed: int, kind: Kind) -> "Recipe":
+    def seeded(self, seed: int, kind: Kind, frame: int = 0) -> "Recipe":
         """Return the same picture with a sampler's seed that follows from the run's.
 
         Two people, sizes or named conditions never share a noise pattern. Two scenes of the same
@@ -53,6 +53,7 @@ class Recipe:
         Args:
             seed: The run's.
             kind: What the picture is for; an enrolled picture and a probe have other noise.
+            frame: Of a burst: each has noise of its own.
 
         Raises:
             InputError: The seed is no whole number.
@@ -64,7 +65,14 @@ class Recipe:
         acted = [scene.expression] if scene.expression.units else []
         later = [] if scene.another_day.is_same else [{"another_day": scene.another_day.record()}]
         seen = [self._seen()] if self._seen() else []
-        words = [*what, self.film.ipd_px, self.film.scale, *other, *redrawn, *acted, *later, *seen]
+        still = [*other, *redrawn, *acted, *later, *seen]
+        words = [
+            *what,
+            self.film.ipd_px,
+            self.film.scale,
+            *still,
+            *([{"frame": frame}] * (frame > 0)),
+        ]
         return replace(self, seed=derived_seed(as_whole(seed, "seed"), *words))
 
     def _seen(self) -> dict[str, Any]:
@@ -92,7 +100,7 @@ class Recipe:
             "expression": dict(self.scene.expression.units),
             **({} if day.is_same else {"another_day": day.record()}),
             **self._seen(),
-            "film": asdict(self.film),
+            "film": self.film.record(),
             "quality": {**asdict(self.quality), "skin": self.quality.skin.plain()},
             "seed": self.seed,
             "versions": dict(versions),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lrsr.configuration import LARGEST_SEED, as_whole, require, section, seed_of
 from lrsr.identities.person import Person
 from lrsr.identities.roster import IdentityRange
+from lrsr.pictures.burst import STILL, Burst
 from lrsr.pictures.recipe import KINDS, Kind, Recipe
 from lrsr.presets import value_of
 from lrsr.rendering.scene import Film, Quality, Scene
@@ -29,6 +30,7 @@ class Sitting:
         quality: How well it is rendered, at this very size.
         kind: What the pictures are for: "probe" or "gallery".
         seed: The run's; every sampler's seed follows from it.
+        burst: How the frames of a person differ, where there are several.
 
     Raises:
         InputError: The kind or the seed does not exist.
@@ -40,20 +42,27 @@ class Sitting:
     quality: Quality
     kind: Kind = "probe"
     seed: int = 0
+    burst: Burst = STILL
 
     def __post_init__(self) -> None:
         require(self.kind in KINDS, "kind", self.kind, f"one of {', '.join(KINDS)}")
         object.__setattr__(self, "seed", as_whole(self.seed, "seed"))
         require(0 <= self.seed <= LARGEST_SEED, "seed", self.seed, f"0 to {LARGEST_SEED}")
 
-    def recipes(self, scale: int = 1) -> list[Recipe]:
-        """Return what everyone is rendered as, on a film ``scale`` times finer."""
-        return [self.recipe(person, scale) for person in self.people.people()]
+    def recipes(self, scale: int = 1, frame: int = 0) -> list[Recipe]:
+        """Return what everyone is rendered as, on a film ``scale`` times finer.
 
-    def recipe(self, person: Person, scale: int = 1) -> Recipe:
-        """Return what somebody is rendered as, on a film ``scale`` times finer."""
+        Args:
+            scale: Of the film.
+            frame: Of everyone's burst; 0 is the first, which has nothing of the burst.
+        """
+        return [self.recipe(person, scale, frame) for person in self.people.people()]
+
+    def recipe(self, person: Person, scale: int = 1, frame: int = 0) -> Recipe:
+        """Return what somebody is rendered as; see :meth:`recipes`."""
         film = replace(self.film, scale=self.film.scale * scale)
-        return Recipe(person, self.scene, film, self.quality).seeded(self.seed, self.kind)
+        first = Recipe(person, self.scene, film, self.quality)
+        return self.burst.frame(first, frame, self.seed).seeded(self.seed, self.kind, frame)
 
     def describe(self) -> dict[str, Any]:
         """Return all of it in plain values, for records."""
@@ -96,6 +105,16 @@ def read_quality(config: "DictConfig") -> Quality:
     return Quality(**given, skin=skin)
 
 
+def read_burst(config: "DictConfig") -> Burst:
+    """Read how the frames of a person differ; see ``conf/burst``.
+
+    Raises:
+        InputError: A value is wrong.
+    """
+    burst: Burst = value_of("burst", config.burst)
+    return burst
+
+
 def read_probes(config: "DictConfig", film: Film, kind: Kind = "probe") -> Sitting:
     """Read how everyone is pictured by the groups of a command.
 
@@ -114,6 +133,7 @@ def read_probes(config: "DictConfig", film: Film, kind: Kind = "probe") -> Sitti
         quality=read_quality(config).at(film.ipd_px),
         kind=kind,
         seed=seed_of(config),
+        burst=read_burst(config) if "burst" in config else STILL,
     )
 
 

@@ -1,7 +1,7 @@
 """Where do an experiment's pictures come from? From people to be rendered, or from a folder."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lrsr.camera import Camera
@@ -62,11 +62,13 @@ class Photographs:
         root: The folder.
         entries: Which of its pictures, in order.
         finer: Its other pictures of the kind, on films of other scales.
+        later: Those that are later frames of a burst.
     """
 
     root: Path
     entries: Sequence[Entry] = ()
     finer: Sequence[Entry] = ()
+    later: Sequence[Entry] = ()
 
     @property
     def identity_ids(self) -> Sequence[str]:
@@ -87,7 +89,40 @@ class Photographs:
         return [read_picture(self.root, entry) for entry in self.entries[start:stop]]
 
 
-Source = Rendered | Photographs
+@dataclass(frozen=True)
+class Bursts:
+    """Pictures with the later frames of their bursts.
+
+    Attributes:
+        frames: A source for each frame, of the same people in the same order.
+    """
+
+    frames: "Sequence[Rendered | Photographs]"
+
+    @property
+    def identity_ids(self) -> Sequence[str]:
+        """Who each burst shows."""
+        return self.frames[0].identity_ids
+
+    @property
+    def names(self) -> Sequence[str]:
+        """What the first frame of each is called."""
+        return self.frames[0].names
+
+    def load(self, start: int, stop: int) -> list[Picture]:
+        """Return the bursts ``start`` to ``stop - 1``; what is not rendered yet is rendered.
+
+        Raises:
+            InputError: A picture cannot be read, or a cache not written.
+        """
+        first, *later = [source.load(start, stop) for source in self.frames]
+        return [
+            replace(picture, later=tuple(frame[i] for frame in later))
+            for i, picture in enumerate(first)
+        ]
+
+
+Source = Rendered | Photographs | Bursts
 """Pictures in an order that does not change, a few in memory at a time."""
 
 
@@ -102,10 +137,12 @@ def read_photographs(root: Path, kind: str) -> Photographs:
         InputError: There is no such folder, or no such picture in it.
     """
     of_kind = [entry for entry in read_folder(root) if entry.kind in ("", kind)]
-    chosen = [entry for entry in of_kind if entry.scale == 1]
+    chosen = [entry for entry in of_kind if (entry.scale, entry.frame) == (1, 0)]
     if not chosen:
         raise InputError(f"{root} holds no pictures of the kind {kind}: give another folder")
-    return Photographs(root, chosen, [entry for entry in of_kind if entry.scale > 1])
+    finer = [entry for entry in of_kind if entry.scale > 1]
+    later = [entry for entry in of_kind if entry.scale == 1 and entry.frame > 0]
+    return Photographs(root, chosen, finer, later)
 
 
 def references_of(probes: Photographs, scale: int) -> Photographs | None:
@@ -120,11 +157,42 @@ def references_of(probes: Photographs, scale: int) -> Photographs | None:
     return Photographs(probes.root, [seen[_scene(entry)] for entry in probes.entries])
 
 
+def bursts_of(probes: Photographs, frames: int) -> Bursts:
+    """Find the later frames of every probe of a folder.
+
+    They show the same person under the same names (pose, lighting, ...), whatever the angles;
+    ``lrsr render frames=N`` writes such files, and a manifest of one's own needs the column
+    ``frame``.
+
+    Args:
+        probes: The first frames.
+        frames: How many of each burst, at least 1.
+
+    Raises:
+        InputError: A frame is missing.
+    """
+    seen = {(_burst(entry), entry.frame): entry for entry in probes.later}
+    sources = [probes]
+    for number in range(1, frames):
+        for entry in probes.entries:
+            if (_burst(entry), number) not in seen:
+                raise InputError(
+                    f"{probes.root}: {entry.file} has no frame {number}: its manifest needs a row"
+                    f" with frame={number} of {entry.identity_id}, or ask for fewer frames"
+                )
+        later = [seen[_burst(entry), number] for entry in probes.entries]
+        sources.append(Photographs(probes.root, later))
+    return Bursts(sources)
+
+
 def _scene(entry: Entry) -> tuple[object, ...]:
-    held = (entry.pose, entry.yaw_deg, entry.pitch_deg, entry.roll_deg)
-    worn = (entry.expression, entry.another_day)
+    return (*_burst(entry), entry.yaw_deg, entry.pitch_deg, entry.roll_deg, entry.frame)
+
+
+def _burst(entry: Entry) -> tuple[object, ...]:
+    worn = (entry.pose, entry.expression, entry.another_day)
     seen = (entry.lighting, entry.lens, entry.standpoint, entry.skin)
-    return (entry.identity_id, *held, *worn, *seen, entry.ipd_px, entry.run_seed)
+    return (entry.identity_id, *worn, *seen, entry.ipd_px, entry.run_seed)
 
 
 def chunks(source: Source) -> Iterator[tuple[slice, list[Picture]]]:
@@ -140,9 +208,14 @@ def render_sources(sources: Sequence[Source]) -> int:
     Raises:
         InputError: A cache cannot be written.
     """
-    rendered = [source for source in sources if isinstance(source, Rendered)]
+    every = [one for source in sources for one in _frames(source)]
+    rendered = [source for source in every if isinstance(source, Rendered)]
     if not rendered:
         return 0
     first = rendered[0]
     films = [filmed(r, source.camera) for source in rendered for r in source.recipes]
     return render_missing(films, first.cache, progress=first.progress, maker=first.maker)
+
+
+def _frames(source: Source) -> "Sequence[Rendered | Photographs]":
+    return source.frames if isinstance(source, Bursts) else [source]

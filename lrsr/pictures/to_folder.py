@@ -12,6 +12,7 @@ import torch
 from lrsr.camera import Camera
 from lrsr.camera.exposure import expose
 from lrsr.camera.optics import bin_pixels
+from lrsr.configuration import require
 from lrsr.errors import InputError
 from lrsr.files import locked, sweep
 from lrsr.pictures.cache import RenderCache
@@ -38,6 +39,7 @@ class RenderSettings:
         camera_settings: What made that camera, in plain values, for the manifest.
         compression: Of the ×1 picture of a probe. True references are never compressed.
         scales: Films: 1, and 2 and 4 for references.
+        frames: Pictures of each person's burst, on each film.
         png16: Write the exposed linear light too, clipped at white, in 16 bits a channel.
 
     Raises:
@@ -51,6 +53,7 @@ class RenderSettings:
     camera_settings: Mapping[str, Any] = field(default_factory=dict)
     compression: str = "none"
     scales: Sequence[int] = (1,)
+    frames: int = 1
     png16: bool = False
 
     def __post_init__(self) -> None:
@@ -58,16 +61,17 @@ class RenderSettings:
             raise InputError("scales=[]: wanted at least one of 1, 2, 4")
         lens = self.sitting.scene.lens
         self.camera.check_lens(lens.name, pinhole=lens.is_pinhole)
+        require(self.frames >= 1, "frames", self.frames, "at least 1")
         for scale in self.scales:  # refuses what is wrong before anything is rendered
             self.shoot(scale)
             self.sitting.recipes(scale)
 
-    def shoot(self, scale: int) -> "Shoot":
+    def shoot(self, scale: int, frame: int = 0) -> "Shoot":
         """Return who takes the pictures of that scale: finer ones are references, without flaws."""
         if scale == 1 and self.sitting.kind == "probe":
             camera = self.camera.compressing(self.compression)
-            return Shoot(self.sitting, camera, self.camera_settings)
-        return Shoot(self.sitting, self.camera.clean())
+            return Shoot(self.sitting, camera, self.camera_settings, frame)
+        return Shoot(self.sitting, self.camera.clean(), frame=frame)
 
 
 @dataclass(frozen=True)
@@ -78,11 +82,13 @@ class Shoot:
         sitting: Who is pictured, how, and what for.
         camera: Takes them.
         camera_settings: What it is made of, in plain values; a flawless one needs none.
+        frame: Which of everyone's burst.
     """
 
     sitting: Sitting
     camera: Camera
     camera_settings: Mapping[str, Any] = field(default_factory=dict)
+    frame: int = 0
 
     def entry(self, picture: Picture, recipe: Recipe, versions: Mapping[str, str]) -> Entry:
         """Return the row of a picture.
@@ -103,6 +109,7 @@ class Shoot:
         words = [picture.identity_id, self.sitting.kind, scene.pose.name, scene.lighting.name]
         words += [camera.compression, *(each.name for each in further if each.name not in usual)]
         words += [digest(made_by)[:8], f"ipd{film.ipd_px:g}", f"x{picture.scale}"]
+        words += [f"frame{self.frame}"] if self.frame else []
         points = picture.landmarks_px
         angles = {name: value for name, value in asdict(scene.pose).items() if name != "name"}
         return Entry(
@@ -126,6 +133,7 @@ class Shoot:
             samples_per_pixel=recipe.quality.samples_per_pixel,
             run_seed=self.sitting.seed,
             another_day=scene.another_day.name,
+            frame=self.frame,
             settings=json.dumps(made_by, sort_keys=True),
         )
 
@@ -163,17 +171,21 @@ def _write_pictures(
     settings: RenderSettings, cache: RenderCache, progress: bool, maker: Maker
 ) -> Iterator[Entry]:
     """Write the pictures and yield their rows; what is not rendered yet is rendered first."""
-    shoots = {scale: settings.shoot(scale) for scale in settings.scales}
-    sources = {
-        scale: Rendered(settings.sitting.recipes(scale), shoot.camera, cache, maker, progress)
-        for scale, shoot in shoots.items()
-    }
-    render_sources([*sources.values()])
+    taken = [
+        (scale, settings.shoot(scale, frame))
+        for scale in settings.scales
+        for frame in range(settings.frames)
+    ]
+    sources = [
+        Rendered(settings.sitting.recipes(scale, shoot.frame), shoot.camera, cache, maker, progress)
+        for scale, shoot in taken
+    ]
+    render_sources(sources)
     sweep(settings.out)
-    for scale, source in sources.items():
+    for (_, shoot), source in zip(taken, sources, strict=True):
         for place, pictures in chunks(source):
             for recipe, picture in zip(source.recipes[place], pictures, strict=True):
-                entry = shoots[scale].entry(picture, recipe, maker.versions)
+                entry = shoot.entry(picture, recipe, maker.versions)
                 write_png(settings.out / entry.file, picture.image)
                 if settings.png16:
                     stem = entry.file.removesuffix(".png")

@@ -9,7 +9,7 @@ bits change from run to run.
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +68,8 @@ def expose(
     """
     edges = _edges(bands)
     side = scale * viewpoint.film_px
+    right, down = (scale * shift for shift in viewpoint.shift_px)
+    frame = _Frame(side, right, down)
     passes = -(-side * side * samples // _MAX_RAYS)
     per_pass = math.prod(grid(-(-samples // passes)))
     sensor = _make_sensor(viewpoint, pose, side, per_pass, lens, focus_mm, edges)
@@ -77,7 +79,7 @@ def expose(
     total, count = np.zeros((2, side * side, bands or 3), dtype=np.float64)
     for number in range(passes):
         own_seed = _pass_seed(seed, number)
-        light, rays = _trace(scene, integrator, sensor, side, per_pass, own_seed, edges)
+        light, rays = _trace(scene, integrator, sensor, frame, per_pass, own_seed, edges)
         total += light
         count += rays
     mean = np.divide(total, count, out=np.zeros_like(total), where=count > 0)
@@ -136,13 +138,30 @@ def _make_sensor(
     constant_mm = viewpoint.pixels_per_slope * AXIS_P1435LE.pitch_um / 1000
     slope = viewpoint.film_px / 2 / viewpoint.pixels_per_slope
     # The filter reaches two pixels of the film beyond its corner.
-    reach_mm = math.sqrt(2) * slope * constant_mm * (1 + 2 * REACH_PX / side)
+    moved = max(map(abs, viewpoint.shift_px)) * side / viewpoint.film_px
+    reach_mm = math.sqrt(2) * slope * constant_mm * (1 + 2 * (REACH_PX + moved) / side)
     mounted = mount(lens, constant_mm, focus_mm, reach_mm)
     to_world = world_to_head(pose) @ viewpoint.to_world()
     span = None if edges_nm is None else (edges_nm[0], edges_nm[-1])
     return lens_sensor(
-        mounted, to_world, slope, side, samples, disperse=lens.dispersion, span_nm=span
+        mounted,
+        to_world,
+        slope,
+        side,
+        samples,
+        disperse=lens.dispersion,
+        span_nm=span,
+        shift=_scalar_shift(viewpoint),
     )
+
+
+def _scalar_shift(viewpoint: Viewpoint) -> tuple[float, float]:
+    """Return by what share of its side (right, down) a sensor itself has to move the picture.
+
+    In variants with compilers that is nothing: :func:`_trace` does it, with one kernel for all.
+    """
+    right, down = viewpoint.shift_px if "scalar" in mi.variant() else (0.0, 0.0)
+    return right / viewpoint.film_px, down / viewpoint.film_px
 
 
 def _describe_pinhole(viewpoint: Viewpoint, pose: Pose, side: int, samples: int) -> dict[str, Any]:
@@ -151,9 +170,12 @@ def _describe_pinhole(viewpoint: Viewpoint, pose: Pose, side: int, samples: int)
     in_world = mi.ScalarTransform4f().look_at(
         origin=centre.tolist(), target=(centre - back).tolist(), up=up.tolist()
     )
+    right, down = _scalar_shift(viewpoint)
     return {
         "type": "perspective",
         "fov": viewpoint.view_deg,
+        "principal_point_offset_x": -right,
+        "principal_point_offset_y": -down,
         "near_clip": 1.0,
         "far_clip": 1e6,
         "to_world": mi.ScalarTransform4f(world_to_head(pose)) @ in_world,
@@ -161,19 +183,36 @@ def _describe_pinhole(viewpoint: Viewpoint, pose: Pose, side: int, samples: int)
     }
 
 
+class _Frame(NamedTuple):
+    """Side of a film, and how far its picture lies off, px of that film."""
+
+    side: int
+    right: float
+    down: float
+
+
 def _trace(
-    scene: Any, integrator: Any, sensor: Any, side: int, samples: int, seed: int, edges_nm: _Edges
+    scene: Any,
+    integrator: Any,
+    sensor: Any,
+    frame: _Frame,
+    samples: int,
+    seed: int,
+    edges_nm: _Edges,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | float]:
     """Return the light of ``samples`` rays in each pixel, and as how many rays they count.
 
     Both are sums, ``(side², 3 or N)`` or what spreads to that.
     """
+    side = frame.side
     lanes = order_rays(samples, side * side, seed)
     sampler = stratified(samples, seed, lanes)
     # Opaque, so that one kernel serves every film of that number of samples.
     pixel, width = lanes // dr.opaque(mi.UInt32, samples), dr.opaque(mi.UInt32, side)
     row = pixel // width
     corner = mi.Point2f(mi.Float(pixel - row * width), mi.Float(row))
+    if frame.right or frame.down:
+        corner -= mi.Vector2f(*(dr.opaque(mi.Float, off) for off in (frame.right, frame.down)))
     position = (corner + 0.5 + draw_offset(sampler.next_2d())) / mi.Float(width)
     light, counts, wavelengths = _follow(scene, integrator, sensor, sampler, position, edges_nm)
     if mi.is_spectral and edges_nm is None:

@@ -5,7 +5,7 @@ Pure arithmetic, no renderer. World frame: the head frame of a face that looks s
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,12 +93,14 @@ class Viewpoint:
         film_px: Side of the ×1 film, px.
         pixels_per_slope: Focal length in ×1 pixels: px per unit of x/z.
         elevation_deg: How far the optical axis points below the horizon, -90..90.
+        shift_px: (right, down) that all of the picture lies off, ×1 px: the film is elsewhere.
     """
 
     centre_mm: NDArray[np.float64]
     film_px: int
     pixels_per_slope: float
     elevation_deg: float = 0.0
+    shift_px: tuple[float, float] = (0.0, 0.0)
 
     @property
     def view_deg(self) -> float:
@@ -139,7 +141,7 @@ class Viewpoint:
         """
         offset = (np.asarray(points_mm, dtype=np.float64) - self.centre_mm) @ self.axes().T
         slope = offset[:, :2] / -offset[:, 2:]
-        film = self.film_px / 2 + self.pixels_per_slope * slope * (1, -1)
+        film = self.film_px / 2 + self.pixels_per_slope * slope * (1, -1) + self.shift_px
         return np.asarray(scale * film - 0.5)
 
 
@@ -150,6 +152,8 @@ def place_camera(
     offset_mm: tuple[float, float] = (0.0, 0.0),
     camera_m: float | None = None,
     above_m: float = 0.0,
+    nearer: float = 0.0,
+    shift_px: tuple[float, float] = (0.0, 0.0),
 ) -> Viewpoint:
     """Place the camera so that the frontal pupils are exactly ``ipd_px`` apart on the ×1 film.
 
@@ -163,6 +167,8 @@ def place_camera(
             head.
         camera_m: Distance of the camera from the pupils, m; None: the reference camera's.
         above_m: How much higher than the pupils it stands, m; < 0 is lower. It looks at the face.
+        nearer: Share of the way to the camera that the face has come since it was that large, < 1.
+        shift_px: See :class:`Viewpoint`.
 
     Raises:
         ValueError: The IPD or the distance is not positive, or less than the height.
@@ -189,7 +195,9 @@ def place_camera(
         else:
             focal_px /= excess
     shift = (offset_mm[0], height_mm + lift_mm + offset_mm[1])
-    return _viewpoint(shift, away_mm, above_m, film_px, focal_px)
+    left = 1 - nearer
+    there = _viewpoint(shift, left * away_mm, left * above_m, film_px, focal_px)
+    return replace(there, shift_px=shift_px)
 
 
 def _lift_mm(elevation: float) -> float:

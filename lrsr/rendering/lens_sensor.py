@@ -57,6 +57,7 @@ def lens_sensor(
     *,
     disperse: bool,
     span_nm: tuple[float, float] | None = None,
+    shift: tuple[float, float] = (0.0, 0.0),
 ) -> Any:
     """Make the sensor.
 
@@ -70,6 +71,7 @@ def lens_sensor(
         disperse: Let each ray of an rgb variant be of one channel, chosen by the wavelength sample.
         span_nm: In spectral variants wavelengths are drawn evenly between these two; None: as
             sRGB needs them.
+        shift: (right, down) of the picture, as a share of its side; for scalar variants alone.
 
     Returns:
         ``mi.Sensor``; it renders by ``mi.render``, too.
@@ -79,7 +81,7 @@ def lens_sensor(
         properties[name] = mi.load_dict(description)
     sensor = _sensor_class()(properties)
     sensor._mounted, sensor._matrix = mounted, to_world
-    sensor._disperse, sensor._span_nm = disperse, span_nm
+    sensor._disperse, sensor._span_nm, sensor._shift = disperse, span_nm, shift
     sensor._width = -2 * slope * mounted.constant_mm  # the lens turns the picture round
     sensor._numbers = None if "scalar" in mi.variant() else _opaque(sensor)
     return sensor
@@ -253,7 +255,8 @@ def _scalar_ray(
 ) -> tuple[Any, Any]:
     """Trace one ray in double precision, for variants without Dr.Jit's compilers."""
     mounted = sensor._mounted
-    film = np.array([[position[0] - 0.5, 0.5 - position[1]]]) * sensor._width
+    right, down = sensor._shift
+    film = np.array([[position[0] - right - 0.5, 0.5 - (position[1] - down)]]) * sensor._width
     disc = mi.warp.square_to_uniform_disk_concentric(aperture)
     radius = float(mounted.pupil_reach_mm(film)[0])
     aim = np.array([[disc[0], disc[1]]]) * radius

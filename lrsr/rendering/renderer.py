@@ -105,7 +105,7 @@ class Renderer:
         return Radiance(
             image=torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1))),
             landmarks_px=torch.from_numpy(landmarks.astype(np.float32)),
-            ipd_px=film.ipd_px,
+            ipd_px=film.ipd_px / (1 - film.nearer),
             scale=film.scale,
             metered=environment(scene.lighting)[1],
             **_spectrum(scene.lighting, film.bands),
@@ -150,6 +150,8 @@ def _viewpoint(head: Head, scene: Scene, film: Film, camera_m: float | None = No
             offset_mm=scene.pose.frame_offset_mm(),
             camera_m=standpoint.camera_m if camera_m is None else camera_m,
             above_m=standpoint.above_m,
+            nearer=film.nearer,
+            shift_px=film.shift_px,
         )
     except ValueError as error:
         raise InputError(f"standpoint {standpoint.name!r}: {error}; give another") from error

@@ -62,6 +62,10 @@ class Film:
         ipd_px: Interpupillary distance of the frontal face on the ×1 film, px, > 0 and < 2000.
         scale: How many times finer than the ×1 film: 1, 2 or 4.
         bands: Spectral bands, 7 to 350; 0: three colours. See :mod:`lrsr.spectra`.
+        shift_px: (right, down) that all of the picture lies off, px of the ×1 film, each less than
+            a quarter of an IPD.
+        nearer: Share of the way to the camera that the face has come since its size was ``ipd_px``,
+            -0.5 to 0.5; it is that much larger.
 
     Raises:
         InputError: A number is out of its range.
@@ -70,6 +74,8 @@ class Film:
     ipd_px: float = 8.0
     scale: int = 1
     bands: int = 0
+    shift_px: tuple[float, float] = (0.0, 0.0)
+    nearer: float = 0.0
 
     def __post_init__(self) -> None:
         settle(self, "")
@@ -77,6 +83,14 @@ class Film:
         require(0 < self.ipd_px < 2000, "ipd_px", f"{self.ipd_px:g}", wish)
         require(self.scale in _SCALES, "scale", self.scale, f"one of {_SCALES}")
         require(self.bands == 0 or 7 <= self.bands <= 350, "bands", self.bands, "0, or 7 to 350")
+        farthest, wish = max(map(abs, self.shift_px)), f"less than {self.ipd_px / 4:g} px"
+        require(farthest < self.ipd_px / 4, "shift_px", self.shift_px, wish)
+        require(abs(self.nearer) <= 0.5, "nearer", self.nearer, "-0.5 to 0.5")
+
+    def record(self) -> dict[str, Any]:
+        """Return it in plain values; what has not moved is left out."""
+        still = {"shift_px": (0.0, 0.0), "nearer": 0.0}
+        return {name: value for name, value in asdict(self).items() if value != still.get(name)}
 
 
 _LIMITS = {

@@ -30,6 +30,7 @@ class Survey:
         names: Of the parts, in the order of the head.
         to_camera: ``(4, 4)``: from the head frame, mm, to the camera frame, mm.
         focal_px: Focal length in pixels of this film.
+        axis_px: Where the optical axis meets the film, (x, y), px.
     """
 
     depth_m: NDArray[np.float32]
@@ -38,6 +39,7 @@ class Survey:
     names: tuple[str, ...]
     to_camera: NDArray[np.float64]
     focal_px: float
+    axis_px: tuple[float, float]
 
     def mask(self, name: str) -> NDArray[np.bool_]:
         """Return where a part is seen, ``(H, W)``.
@@ -48,6 +50,27 @@ class Survey:
         if name not in self.names:
             raise ValueError(f"no part {name!r}: there are {', '.join(self.names)}")
         return np.asarray(self.parts == 1 + self.names.index(name))
+
+    def flow(self, later: "Survey") -> NDArray[np.float64]:
+        """Say where another picture of the same head shows what lies behind each pixel here.
+
+        Exact for turns, shifts and steps of the head. What a face does besides is not in it, and
+        neither is whether something stands before that point there.
+
+        Args:
+            later: Of the other picture.
+
+        Returns:
+            ``(H, W, 2)``: (right, down) from here to there, px; NaN where there is nothing.
+        """
+        here = np.stack(np.meshgrid(*(np.arange(side) for side in self.parts.shape[::-1])), -1)
+        slopes = (here - self.axis_px) / self.focal_px * (1, -1)
+        depth = np.where(self.parts > 0, 1000 * self.depth_m.astype(np.float64), np.nan)[..., None]
+        points = depth * np.concatenate([slopes, np.full_like(slopes[..., :1], -1.0)], axis=-1)
+        move = later.to_camera @ np.linalg.inv(self.to_camera)
+        moved = points @ move[:3, :3].T + move[:3, 3]
+        there = later.focal_px * moved[..., :2] / -moved[..., 2:] * (1, -1) + later.axis_px
+        return np.asarray(there - here)
 
 
 def survey(
@@ -64,8 +87,8 @@ def survey(
     """
     side, focal = scale * viewpoint.film_px, scale * viewpoint.pixels_per_slope
     to_head = world_to_head(pose) @ viewpoint.to_world()
-    centre = (np.arange(side) + 0.5 - side / 2) / focal
-    x, y = np.meshgrid(centre, -centre)
+    right, down = ((side - 1) / 2 + scale * shift for shift in viewpoint.shift_px)
+    x, y = np.meshgrid((np.arange(side) - right) / focal, (down - np.arange(side)) / focal)
     rays = np.stack([x, y, np.full_like(x, -1.0)], axis=-1).reshape(-1, 3)
     lengths = np.linalg.norm(rays, axis=1)
     directions = rays / lengths[:, None] @ to_head[:3, :3].T
@@ -80,6 +103,7 @@ def survey(
         tuple(names),
         np.asarray(np.linalg.inv(to_head), dtype=np.float64),
         float(focal),
+        (right, down),
     )
 
 

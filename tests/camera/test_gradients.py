@@ -27,12 +27,12 @@ from lrsr.camera.mosaic import Mosaic
 from lrsr.camera.optics import Optics, bin_pixels
 from lrsr.camera.processing import Processing, _sharpen, _tone, luminance
 from lrsr.camera.pupil import pupil_kernel
-from lrsr.camera.resampling import sample_bicubic
 from lrsr.camera.sensor import Sensor
 from lrsr.camera.smoothing import bilateral_blur, gaussian_blur
 from lrsr.camera.soft_jpeg import SHARING, soft_jpeg
 from lrsr.camera.vignetting import _mechanical_vignetting, natural_vignetting
 from lrsr.images import linear_to_srgb
+from lrsr.resampling import sample_bicubic
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 

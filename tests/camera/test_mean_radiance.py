@@ -21,10 +21,10 @@ from lrsr.camera.exposure import _KEY, expose
 from lrsr.camera.image_plane import pixel_grid, pixels_to_mm
 from lrsr.camera.optics import bin_pixels
 from lrsr.camera.processing import _sharpen
-from lrsr.camera.resampling import sample_bicubic
 from lrsr.camera.smoothing import bilateral_blur, gaussian_blur
 from lrsr.camera.warp import Warp
 from lrsr.images import linear_to_srgb, srgb_to_linear
+from lrsr.resampling import sample_bicubic
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 

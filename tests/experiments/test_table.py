@@ -142,8 +142,8 @@ def test_landmarks_are_off_by_the_mean_of_those_found() -> None:
 def test_rows_and_comparisons_have_the_fields_of_the_results_file() -> None:
     assert list(row(scored(0.3))) == [
         "experiment", "option", "ipd_px", "pose", "lighting", "compression", "method", "label",
-        "landmarks", "auc", "std", "low", "high", "n_genuine", "n_impostor", "level", "logit_low",
-        "logit_high", "subject_std", "subject_low", "subject_high", "bootstrap_low",
+        "frames", "landmarks", "auc", "std", "low", "high", "n_genuine", "n_impostor", "level",
+        "logit_low", "logit_high", "subject_std", "subject_low", "subject_high", "bootstrap_low",
         "bootstrap_high", "psnr_y_db", "fta", "eer", "d_prime", "rank_1", "fnmr", "partial_auc",
         "wrong_place", "landmark_distance_ipds", "ssim_y", "identity_similarity", "lpips",
     ]  # fmt: skip

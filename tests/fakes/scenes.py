@@ -76,6 +76,8 @@ def recipe(
     ipd_px: float = 8.0,
     scale: int = 1,
     bands: int = 0,
+    shift_px: tuple[float, float] = (0.0, 0.0),
+    nearer: float = 0.0,
     samples_per_pixel: int = 2048,
     max_depth: int = 5,
     texture_size: int = 1024,
@@ -88,7 +90,7 @@ def recipe(
     return Recipe(
         Person(split, index, draw, population),
         scene(**before),
-        Film(ipd_px, scale, bands),
+        Film(ipd_px, scale, bands, shift_px, nearer),
         Quality(samples_per_pixel, max_depth, texture_size, skin),
         seed,
     )
@@ -107,6 +109,8 @@ class Studio(Renderer):
         ipd_px: float = 8.0,
         scale: int = 1,
         bands: int = 0,
+        shift_px: tuple[float, float] = (0.0, 0.0),
+        nearer: float = 0.0,
         samples_per_pixel: int = 2048,
         seed: int = 0,
         camera_m: float | None = None,
@@ -116,7 +120,7 @@ class Studio(Renderer):
         return super().render(
             head,
             scene(**before),
-            Film(ipd_px, scale, bands),
+            Film(ipd_px, scale, bands, shift_px, nearer),
             samples_per_pixel=samples_per_pixel,
             seed=seed,
             camera_m=camera_m,

@@ -50,7 +50,7 @@ class Surveyor(FakeMaker):
         depth = np.where(parts > 0, DEPTH_M, 0).astype(np.float32)
         normals = (parts[..., None] * np.array([0, 0, 1.0])).astype(np.float32)
         names = tuple(part.name for part in head.parts)
-        return Survey(depth, normals, parts, names, np.eye(4), 500.0)
+        return Survey(depth, normals, parts, names, np.eye(4), 500.0, (0.0, 0.0))
 
 
 def settings(out: Path, **before: Any) -> RenderSettings:

@@ -336,3 +336,14 @@ def test_a_manifest_that_is_no_text_is_named(folder: Path) -> None:
 def test_a_folder_that_cannot_be_written_is_one_line(folder: Path) -> None:
     with pytest.raises(InputError, match=r"cannot write .*a\.png/manifest\.csv"):
         write_manifest(folder / "a.png", [ROW])
+
+
+def test_a_picture_is_the_first_frame_unless_a_column_says_otherwise(folder: Path) -> None:
+    write_manifest(folder, [ROW])
+    assert [entry.frame for entry in read_manifest(folder)] == [0]
+    rows = "file,identity_id,frame\na.png,anna,1\nb.png,anna,-1\n"
+    (folder / "manifest.csv").write_text(rows.replace("-1", "2"))
+    assert [entry.frame for entry in read_manifest(folder)] == [1, 2]
+    (folder / "manifest.csv").write_text(rows)
+    with pytest.raises(InputError, match="line 3: frame=-1: wanted a number >= 0"):
+        read_manifest(folder)

@@ -1,10 +1,12 @@
 """Pictures of one size make a batch, with landmarks where they are known."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 
 from lrsr.errors import InputError
-from lrsr.pictures.picture import Picture, stack
+from lrsr.pictures.picture import Picture, stack, stack_bursts
 
 
 def picture(number: int, side: int = 4, *, known: bool = True) -> Picture:
@@ -38,3 +40,16 @@ def test_pictures_of_two_sizes_or_none_make_no_batch() -> None:
         stack([picture(1), picture(2, side=8)])
     with pytest.raises(InputError, match="make no batch"):
         stack([])
+
+
+def test_bursts_make_a_batch_of_their_first_frames() -> None:
+    bursts = [
+        replace(picture(number), later=(picture(number + 1), picture(number + 2)))
+        for number in (0, 5)
+    ]
+    images, landmarks = stack_bursts(bursts, 2)
+    torch.testing.assert_close(images[:, :, 0, 0, 0], torch.tensor([[0.0, 0.1], [0.5, 0.6]]))
+    assert landmarks[:, :, 0, 0].tolist() == [[0.0, 1.0], [5.0, 6.0]]
+    assert torch.equal(stack_bursts(bursts, 1)[0][:, 0], stack(bursts)[0])
+    with pytest.raises(InputError, match=r"a test \(test-00000\) has 3 frames: wanted 4"):
+        stack_bursts(bursts, 4)

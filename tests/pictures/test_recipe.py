@@ -52,6 +52,8 @@ OTHERS: dict[str, Any] = {
     "ipd_px": 9.0,
     "scale": 2,
     "bands": 35,
+    "shift_px": (0.5, 0.0),
+    "nearer": 0.01,
     "samples_per_pixel": 16,
     "max_depth": 8,
     "texture_size": 64,
@@ -168,7 +170,7 @@ def test_a_lens_of_whole_numbers_is_that_of_numbers_with_a_point() -> None:
 def test_keys_are_those_of_other_days_and_machines() -> None:
     """Whoever changes what a recipe says makes everybody's caches useless: then say so here."""
     assert key(RECIPE) == "afbf363782007f4c92fb5b28e1c68e0e92ad5f942b192ea31fefa04376b0cc8d"
-    others = {**OTHERS, "another_day": "none"}
+    others = {**OTHERS, "another_day": "none", "shift_px": (0.0, 0.0), "nearer": 0.0}
     assert (
         key(changed(**others)) == "b2a7cfba4293010620957b9bd1f2745fa063b547e1296d9a45f2db8bacffe5e4"
     )

@@ -16,7 +16,16 @@ from lrsr.identities.person import Person
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.paths import config_folder
-from lrsr.pictures.sitting import Sitting, _read_scene, read_gallery, read_people, read_quality
+from lrsr.pictures.burst import Burst
+from lrsr.pictures.sitting import (
+    Sitting,
+    _read_scene,
+    read_gallery,
+    read_people,
+    read_probes,
+    read_quality,
+)
+from lrsr.presets import preset
 from lrsr.rendering.scene import Film, Quality
 
 SITTING = Sitting(IdentityRange(start=5, count=3), scene(), Film(), Quality())
@@ -174,3 +183,20 @@ def test_the_enrolled_picture_is_that_of_the_gallery_whatever_else_is_asked() ->
         read_gallery(config("gallery.ipd_px=3"))
     with pytest.raises(InputError, match=r"gallery\.samples_per_pixel=many: wanted a whole number"):
         read_gallery(config("gallery.samples_per_pixel=many"))
+
+
+def test_every_frame_has_noise_of_its_own_and_the_first_is_what_it_always_was() -> None:
+    moving = replace(SITTING, burst=Burst(shift_ipds=0.1))
+    assert moving.recipes(frame=0) == moving.recipes() == SITTING.recipes()
+    frames = [recipe for frame in range(3) for recipe in moving.recipes(frame=frame)]
+    assert len({one.seed for one in frames}) == 9
+    assert len({one.film.shift_px for one in frames}) == 7  # the first of all have not moved
+    still = [SITTING.recipes(frame=frame)[0] for frame in range(3)]
+    assert {replace(one, seed=0) for one in still} == {replace(still[0], seed=0)}
+    assert len({one.seed for one in still}) == 3
+
+
+def test_frames_move_as_the_group_says() -> None:
+    assert read_probes(config(), Film()).burst == preset("burst", "video")
+    asked = read_probes(config("burst=still", "burst.yaw_deg=3"), Film()).burst
+    assert asked == Burst("still", yaw_deg=3)

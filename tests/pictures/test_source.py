@@ -11,6 +11,7 @@ from fakes.scenes import scene
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.identities.roster import IdentityRange
+from lrsr.pictures.burst import Burst
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import read_manifest, write_manifest
 from lrsr.pictures.image_files import write_png
@@ -18,8 +19,10 @@ from lrsr.pictures.picture import stack
 from lrsr.pictures.render import CHUNK, take_pictures
 from lrsr.pictures.sitting import Sitting
 from lrsr.pictures.source import (
+    Bursts,
     Photographs,
     Rendered,
+    bursts_of,
     chunks,
     read_photographs,
     references_of,
@@ -29,6 +32,7 @@ from lrsr.pictures.to_folder import RenderSettings, render_to_folder
 from lrsr.rendering.scene import Film, Quality
 
 SITTING = Sitting(IdentityRange(count=3), scene("left"), Film(), Quality())
+BURSTS = replace(SITTING, burst=Burst("test", 0.1, yaw_deg=2))
 
 
 @pytest.fixture
@@ -176,3 +180,46 @@ def test_all_sources_are_rendered_at_once_and_photographs_are_there(
     maker.renders.clear()
     assert render_sources([photographs, rendered, rendered]) == len(maker.renders) == 3
     assert render_sources([rendered]) == render_sources([photographs]) == 0
+
+
+def frames_of(out: Path, cache: RenderCache, maker: FakeMaker, count: int) -> Photographs:
+    """Photographs of what ``lrsr render frames=N scales=[1,2]`` writes."""
+    settings = RenderSettings(out, BURSTS, Camera(), scales=(1, 2), frames=count)
+    render_to_folder(settings, cache, progress=False, maker=maker)
+    return read_photographs(out, "probe")
+
+
+def test_a_burst_is_its_first_frame_with_the_others(
+    tmp_path: Path, cache: RenderCache, maker: FakeMaker
+) -> None:
+    sources = [
+        Rendered(BURSTS.recipes(frame=n), Camera(), cache, maker, progress=False) for n in range(3)
+    ]
+    rendered = Bursts(sources)
+    assert render_sources([rendered]) == 9
+    assert rendered.names == rendered.identity_ids == sources[0].identity_ids
+    read = bursts_of(frames_of(tmp_path / "out", cache, maker, 3), 3)
+    for source in (rendered, read):
+        (burst,) = source.load(1, 2)
+        frames = [burst, *burst.later]
+        assert {one.identity_id for one in frames} == {"test-00001"}
+        for one, frame in zip(frames, sources, strict=True):
+            assert torch.equal(one.image, frame.load(1, 2)[0].image)
+
+
+def test_a_folder_of_bursts_has_as_many_probes_as_people_and_a_reference_for_each_first_frame(
+    tmp_path: Path, cache: RenderCache, maker: FakeMaker
+) -> None:
+    probes = frames_of(tmp_path / "out", cache, maker, 2)
+    assert [entry.frame for entry in probes.entries] == [0, 0, 0]
+    references = references_of(probes, 2)
+    assert references is not None
+    assert [(entry.frame, entry.scale) for entry in references.entries] == [(0, 2)] * 3
+
+
+def test_a_burst_that_lacks_a_frame_is_refused(
+    tmp_path: Path, cache: RenderCache, maker: FakeMaker
+) -> None:
+    probes = frames_of(tmp_path / "out", cache, maker, 2)
+    with pytest.raises(InputError, match=r"has no frame 2: its manifest needs a row with frame=2"):
+        bursts_of(probes, 3)

@@ -27,6 +27,7 @@ from lrsr.identities.person import Traits
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
 from lrsr.images import linear_to_srgb
+from lrsr.pictures.burst import Burst
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import read_manifest
 from lrsr.pictures.image_files import read_image
@@ -443,3 +444,28 @@ def test_a_camera_with_a_lens_and_a_lens_before_it_are_one_too_many(tmp_path: Pa
             ),
             camera=preset("camera", "axis_p1435le"),
         )
+
+
+def test_every_frame_is_a_picture_with_a_row_and_the_first_is_that_of_one_frame(
+    settings: RenderSettings, maker: FakeMaker
+) -> None:
+    moving = changed(settings, sitting={"burst": Burst("test", 0.1, yaw_deg=2)}, frames=3)
+    render(settings, maker)
+    (first, _) = read_manifest(settings.out)
+    render(moving, maker)
+    rows = read_manifest(settings.out)
+    assert first in rows
+    assert sorted((row.identity_id, row.frame) for row in rows) == [
+        (person, frame) for person in ("test-00000", "test-00001") for frame in range(3)
+    ]
+    assert len({row.seed for row in rows}) == len({row.file for row in rows}) == 6
+    later = next(row for row in rows if row.frame == 2)
+    film = json.loads(later.settings)["recipe"]["film"]
+    assert later.file.endswith("_ipd8_x1_frame2.png")
+    assert 0 < abs(film["shift_px"][0]) <= 0.8
+    assert 0 < abs(later.yaw_deg or 0) <= 2
+
+
+def test_no_frame_is_refused(settings: RenderSettings) -> None:
+    with pytest.raises(InputError, match="frames=0: wanted at least 1"):
+        replace(settings, frames=0)

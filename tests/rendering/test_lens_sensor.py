@@ -237,6 +237,14 @@ def test_all_lenses_share_one_kernel(renderer: Studio) -> None:
     assert [entry["hash"] for entry in history if not entry["cache_hit"]] == []
 
 
+def test_a_picture_moves_behind_a_lens_as_behind_a_pinhole(renderer: Studio) -> None:
+    ask = {"ipd_px": 8, "samples_per_pixel": 256, "lens": "thin"}
+    still = renderer.render(stand_in(1), **ask).image
+    moved = renderer.render(stand_in(1), shift_px=(1.0, -1.0), **ask).image
+    apart = float((moved - still).abs().mean())
+    assert float((moved[:, 1:-2, 2:-1] - still[:, 2:-1, 1:-2]).abs().mean()) < 0.3 * apart
+
+
 def test_the_same_lens_gives_the_same_bytes(renderer: Studio) -> None:
     ask = {"ipd_px": 4, "samples_per_pixel": 64, "lens": "double_gauss", "seed": 3}
     first = renderer.render(stand_in(1), **ask).image

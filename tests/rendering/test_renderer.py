@@ -65,6 +65,25 @@ def test_landmarks_are_where_the_picture_shows_them(dot_renderer: Studio, pose: 
     np.testing.assert_allclose(seen, expected, atol=0.08)
 
 
+@pytest.mark.parametrize("scale", [1, 4])
+def test_a_face_that_has_moved_is_where_its_landmarks_say(dot_renderer: Studio, scale: int) -> None:
+    ask = {"lighting": CLOUDY, "ipd_px": 16, "scale": scale, "samples_per_pixel": 1024}
+    points = stand_in(3).landmarks
+    moved = dot_renderer.render(dots(points), shift_px=(1.7, -2.3), **ask)
+    seen = centroids(1 - moved.image[1].numpy(), moved.landmarks_px.numpy(), reach=2 + scale)
+    np.testing.assert_allclose(seen, moved.landmarks_px.numpy(), atol=0.08)
+    still = dot_renderer.render(dots(points), **ask)
+    shift = (moved.landmarks_px - still.landmarks_px).numpy()
+    np.testing.assert_allclose(shift, np.full((5, 2), (1.7, -2.3)) * scale, atol=1e-4)
+
+
+def test_who_comes_nearer_is_larger_by_as_much(dot_renderer: Studio) -> None:
+    result = dot_renderer.render(dots(stand_in(3).landmarks), lighting=CLOUDY, nearer=0.2)
+    eyes = centroids(1 - result.image[1].numpy(), result.landmarks_px.numpy()[:2], reach=3)
+    assert result.ipd_px == 8 / 0.8
+    assert np.hypot(*(eyes[1] - eyes[0])) == pytest.approx(10, abs=0.05)
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_ipd_in_the_picture_is_what_was_asked_for(dot_renderer: Studio, seed: int) -> None:
     points = stand_in(seed).landmarks
@@ -187,6 +206,7 @@ def test_heads_poses_lights_and_seeds_compile_nothing_new(renderer: Studio) -> N
         for number, (pose, lighting) in enumerate(zip(POSES, LIGHTINGS, strict=True)):
             for scale in (1, 2):
                 settings = {"pose": pose, "lighting": lighting, "seed": 7 + number}
+                settings["nearer"] = number / 100
                 renderer.render(stand_in(2 + number), scale=scale, **settings, **ask)
         history = dr.kernel_history([dr.KernelType.JIT])
     assert len(history) > 8
@@ -194,11 +214,12 @@ def test_heads_poses_lights_and_seeds_compile_nothing_new(renderer: Studio) -> N
 
 
 def test_the_slow_variant_renders_the_same(renderer: Studio, tmp_path: Path) -> None:
-    ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16}
+    ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16, "shift_px": (0.9, -0.7)}
     fast = renderer.render(stand_in(0), **{**ask, "samples_per_pixel": 1024}).image
     code = (
-        "import sys, numpy as np; from oracles.heads import stand_in; import lrsr.rendering\n"
-        f"result = lrsr.rendering.render(stand_in(0), **{ask!r})\n"
+        "import sys, numpy as np; from oracles.heads import stand_in\n"
+        "from fakes.scenes import Studio\n"
+        f"result = Studio().render(stand_in(0), **{ask!r})\n"
         "np.save(sys.argv[1], result.image.numpy())"
     )
     target = tmp_path / "slow.npy"

@@ -28,6 +28,14 @@ def test_equal_values_are_equal_whatever_their_numbers_are_made_of() -> None:
     assert len({scene("left"), scene("left"), scene("up")}) == 2
 
 
+def test_a_film_that_has_not_moved_is_recorded_as_ever() -> None:
+    assert Film(9, 2, 35).record() == {"ipd_px": 9.0, "scale": 2, "bands": 35}
+    assert Film(shift_px=[1, 0]).record() == {
+        **{"ipd_px": 8.0, "scale": 1, "bands": 0, "shift_px": (1.0, 0.0)}
+    }
+    assert Film(nearer=0.1).record()["nearer"] == 0.1
+
+
 def test_a_scene_is_recorded_in_plain_values_with_its_names() -> None:
     asked = scene("left", "room_blue", "double_gauss", "scface_near", "smile", "cap")
     plain = json.loads(json.dumps(asked.describe()))
@@ -62,6 +70,9 @@ def test_a_scene_is_recorded_in_plain_values_with_its_names() -> None:
         ({"bands": -1}, "bands=-1: wanted 0"),
         ({"bands": 6}, "bands=6: wanted 0, or 7 to 350"),
         ({"bands": 351}, "bands=351: wanted 0"),
+        ({"shift_px": (0, -2)}, r"shift_px=\(0.0, -2.0\): wanted less than 2 px"),
+        ({"shift_px": 1}, r"shift_px=1: wanted two numbers"),
+        ({"nearer": 0.6}, "nearer=0.6: wanted -0.5 to 0.5"),
     ],
     ids=str,
 )

@@ -10,6 +10,7 @@ from oracles.heads import ellipsoid_part, stand_in
 from lrsr.errors import InputError
 from lrsr.identities.head import Head
 from lrsr.rendering.geometry import place_camera
+from lrsr.rendering.pose import Pose
 from lrsr.rendering.scene import Film
 from lrsr.rendering.survey import Survey
 
@@ -86,6 +87,29 @@ def test_a_finer_film_sees_the_same_with_more_pixels(renderer: Studio, sphere: H
     depth = fine.depth_m.reshape(side, 2, side, 2).mean(axis=(1, 3))
     middle = np.s_[48:80, 48:80]
     np.testing.assert_allclose(depth[middle], coarse.depth_m[middle], atol=5e-5)
+
+
+def test_the_flow_is_where_the_points_of_the_head_go(renderer: Studio, sphere: Head) -> None:
+    pose, film = Pose("turned", 8, -5, 3), replace(FILM, shift_px=(2.5, -1.25), nearer=0.02)
+    first = renderer.survey(sphere, scene(), FILM)
+    flow = first.flow(renderer.survey(sphere, scene(pose), film))
+    assert (np.isnan(flow).all(axis=2) == (first.parts == 0)).all()
+    there = place_camera(
+        sphere.pupils,
+        film.ipd_px,
+        offset_mm=pose.frame_offset_mm(),
+        nearer=film.nearer,
+        shift_px=film.shift_px,
+    )
+    here = place_camera(sphere.pupils, FILM.ipd_px)
+    for x, y in ((64, 60), (50, 70), (80, 52)):
+        ray = np.array([x - first.axis_px[0], first.axis_px[1] - y, -first.focal_px])
+        ray /= np.linalg.norm(ray)
+        offset = here.centre_mm - [0, 0, -60]
+        along = -ray @ offset
+        reach = along - np.sqrt(along**2 - offset @ offset + RADIUS_MM**2)
+        (wanted,) = there.project(pose.turn((here.centre_mm + reach * ray)[None]))
+        np.testing.assert_allclose(flow[y, x], wanted - (x, y), atol=0.01)
 
 
 def test_the_light_does_not_matter_and_lamps_are_nothing(renderer: Studio, seen: Survey) -> None:

@@ -103,6 +103,24 @@ class Expression:
         """
         return Expression(self.name, self.units, share)
 
+    def adding(self, units: Mapping[str, float]) -> "Expression":
+        """Return the same expression with more of some units, of each at most all.
+
+        Args:
+            units: Strength, 0 to 1, of what is added.
+
+        Raises:
+            InputError: There is no such unit, or a strength is not between 0 and 1.
+
+        Example:
+            >>> Expression("doze", {"eyeBlinkLeft": 0.9}).adding({"eyeBlink": 0.2}).units
+            {'eyeBlinkLeft': 1.0, 'eyeBlinkRight': 0.2}
+        """
+        total = dict(self.units)
+        for unit, more in Expression(self.name, units).units.items():
+            total[unit] = min(1.0, round(total.get(unit, 0.0) + more, 4))
+        return Expression(self.name, total)
+
 
 def _strength(name: str, value: object) -> float:
     strength = as_number(value, f"expression.{name}")

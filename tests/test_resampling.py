@@ -4,8 +4,8 @@ import pytest
 import torch
 
 from lrsr.camera.image_plane import pixel_grid
-from lrsr.camera.resampling import _cubic_weights, sample_bicubic
 from lrsr.images import resize_bicubic
+from lrsr.resampling import _cubic_weights, sample_bicubic
 
 RANDOM = torch.Generator().manual_seed(0)
 
