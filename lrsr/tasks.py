@@ -264,13 +264,18 @@ def run_train(config: "DictConfig") -> Path:
             " recognition=arcface"
         )
     from lrsr.training.lessons import read_lessons  # Lightning takes seconds
+    from lrsr.training.patchwork import Patchwork
     from lrsr.training.resume import refuse_other_run, what_matters
     from lrsr.training.run import train
 
     data = read_lessons(config, _cache(config))
+    for section, why in data.unread.items():
+        _refuse([section], why)
     plain: Any = OmegaConf.to_container(config, resolve=True)
     depends_on = what_matters(plain) | data.about()
-    module = build(config.module, "module")
+    is_patchwork = isinstance(data, Patchwork) and "lr_made_by" not in config.module
+    card = {"lr_made_by": data.lr_made_by} if is_patchwork else {}
+    module = build(config.module, "module", **card)
     resume = flag(config, "resume")
     with run_folder(config) as folder:
         if resume:

@@ -18,7 +18,10 @@ from lrsr.presets import build
 from lrsr.training.lessons import read_lessons
 from lrsr.training.progress import Progress
 
-NAMES = ("srcnn2x", "srcnn4x", "edsr2x", "edsr4x", "arcface")
+NAMES = (
+    *("srcnn2x", "srcnn3x", "srcnn4x", "srcnn2x_camera", "srcnn4x_camera", "edsr2x", "edsr4x"),
+    "arcface",
+)
 
 
 def composed(name: str, *overrides: str) -> DictConfig:
@@ -89,7 +92,7 @@ def test_names_become_values(tmp_path: Path) -> None:
 
 def test_one_value_is_a_list_of_one(tmp_path: Path) -> None:
     words = ["data.poses=left", "data.lightings=above", "data.ipd_px=9", "data.views=1"]
-    data = lessons("srcnn2x", tmp_path, *words, "data.compressions=heavy")
+    data = lessons("srcnn2x", tmp_path, *words, "degradation.compressions=heavy")
     ((scene, ipd_px),) = data.conditions
     assert (scene.pose.name, scene.lighting.name, ipd_px) == ("left", "above", 9.0)
     assert [camera.compression for camera in data.cameras] == ["heavy"]
