@@ -44,6 +44,8 @@ def run_eval(config: "DictConfig") -> Path:
 
     _refuse_unread(config)
     kind: Any = get_class(str(config._target_))
+    if unread := getattr(kind, "unread", ()):
+        _refuse(unread, f"experiment={config.name} does not read it; leave it")
     experiment = kind.from_config(config)
     with run_folder(config) as folder:
         write_provenance(folder, config)
@@ -273,8 +275,9 @@ def run_train(config: "DictConfig") -> Path:
         _refuse([section], why)
     plain: Any = OmegaConf.to_container(config, resolve=True)
     depends_on = what_matters(plain) | data.about()
-    is_patchwork = isinstance(data, Patchwork) and "lr_made_by" not in config.module
-    card = {"lr_made_by": data.lr_made_by} if is_patchwork else {}
+    card = {}
+    if isinstance(data, Patchwork) and "lr_made_by" not in config.module:
+        card["lr_made_by"] = data.lr_made_by
     module = build(config.module, "module", **card)
     resume = flag(config, "resume")
     with run_folder(config) as folder:

@@ -55,11 +55,12 @@ def read_lessons(config: "DictConfig", cache: RenderCache) -> Lessons:
     given: Any = OmegaConf.to_container(config.data, resolve=True)
     kind = get_class(given["_target_"])
     if kind is not Mixed:
-        return _read(kind, given, config, cache)
+        lessons: Lessons = _read(kind, given, config, cache)
+        return lessons
     share = given.pop("rendered_share")
     parts = {part: _of(part, given) for part in (Pairs, Images)}
     for key in given.keys() - {"_target_"} - {key for part in parts.values() for key in part}:
-        raise InputError(f"data.{key}: data=mixed has no such setting; --cfg job prints what it has")
+        raise InputError(f"data.{key}: no setting of data=mixed; --cfg job prints them")
     rendered, images = (_read(part, parts[part], config, cache) for part in (Pairs, Images))
     return Mixed(rendered=rendered, images=images, rendered_share=share)
 
@@ -100,9 +101,7 @@ def _read_degradation(config: "DictConfig") -> Shrinking:
     return degradation
 
 
-def _read_people(
-    given: dict[str, Any], config: "DictConfig", cache: RenderCache
-) -> dict[str, Any]:
+def _read_people(given: dict[str, Any], config: "DictConfig", cache: RenderCache) -> dict[str, Any]:
     """Read who is rendered, and how; takes the numbers of validation people out of ``given``."""
     people = read_people(config)
     require(people.split == "train", "identities.split", people.split, "train, to learn from")

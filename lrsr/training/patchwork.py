@@ -1,4 +1,4 @@
-"""How do pairs of pictures become lessons in super-resolution? Patches by epoch, wholes to judge."""
+"""How do pairs of pictures become lessons? Patches by epoch to learn from, wholes to judge."""
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterator

@@ -1,5 +1,6 @@
 """Lessons that take milliseconds, drawn pictures and painted faces, for every training test."""
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -162,6 +163,8 @@ def train_by_command(folder: str, epochs: int) -> int:
     from lrsr.training import lessons
 
     class Drawn(SyntheticPairs):
+        unread: Mapping[str, str] = {}
+
         def about(self) -> dict[str, Any]:
             return {}
 

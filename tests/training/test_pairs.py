@@ -23,6 +23,7 @@ from lrsr.rendering.scene import Quality
 from lrsr.rendering.standpoint import LEVEL
 from lrsr.training.pairs import Pairs
 from lrsr.training.patches import LuminancePatches, RgbPatches
+from lrsr.training.shrinking.clean import Clean
 from lrsr.training.shrinking.one_camera import OneCamera
 
 NAMED = {"poses": "pose", "lightings": "lighting"}
@@ -301,3 +302,67 @@ def test_inputs_and_targets_of_measured_filters_come_from_bands(
         (2, 35),
     }
     assert all(bool(torch.isfinite(patches).all()) for patches in everything(data))
+
+
+def random_cameras() -> Any:
+    return preset("degradation", "random_cameras")
+
+
+def test_what_is_drawn_needs_the_fine_film_only_and_is_new_in_every_epoch(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    data = ready(cache, maker, degradation=random_cameras())
+    assert {recipe.film.scale for recipe in maker.renders} == {2}
+    first, again, other = data.cut(0), data.cut(0), data.cut(1)
+    assert [len(patches) for patches in first] == [54, 54]
+    assert torch.equal(first[0], again[0])
+    assert not torch.equal(first[0], other[0])
+    loader: Any = data.train_dataloader()
+    loader.sampler.set_epoch(1)
+    shown = torch.cat([inputs for inputs, _ in loader])
+    assert sorted(shown.sum((1, 2, 3)).tolist()) == sorted(other[0].sum((1, 2, 3)).tolist())
+
+
+def test_validation_pictures_are_degraded_once_for_all_epochs(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    judged = [
+        [small for small, _ in ready(cache, maker, degradation=random_cameras()).val_dataloader()]
+        for _ in range(2)
+    ]
+    assert all(map(torch.equal, *judged))
+
+
+def test_a_clean_film_is_that_of_a_camera_without_flaws(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    flawed = Camera("heavy", sensor=Sensor(200.0))
+    plain = ready(cache, maker)
+    clean = ready(cache, maker, camera=flawed, degradation=Clean())
+    assert all(map(torch.equal, clean.cut(0), plain.cut(0)))
+
+
+def test_a_camera_that_nothing_reads_is_told(cache: RenderCache, maker: FakeMaker) -> None:
+    assert module(cache, maker).unread == {}
+    assert set(module(cache, maker, degradation=Clean()).unread) == {"camera"}
+
+
+@pytest.mark.parametrize("scale", [2, 3, 4])
+def test_targets_of_every_scale_show_the_place_of_the_input(
+    scale: int, cache: RenderCache, maker: FakeMaker
+) -> None:
+    ((small, true),) = module(cache, maker, scale=scale).pairs(None)
+    assert true.shape[-1] == scale * small.shape[-1]
+
+
+def test_the_card_says_how_the_small_pictures_are_made(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    assert "no down-sampling" in module(cache, maker).lr_made_by
+    assert "drawn at random" in module(cache, maker, degradation=random_cameras()).lr_made_by
+
+
+def test_what_is_validated_on_is_told_apart(cache: RenderCache, maker: FakeMaker) -> None:
+    few, many = (module(cache, maker, count=count).about() for count in (2, 6))
+    assert few["validation_renderings"] == many["validation_renderings"]
+    assert few["renderings"] != many["renderings"]

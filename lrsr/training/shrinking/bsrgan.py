@@ -201,7 +201,8 @@ def _resize(picture: _Picture, size: tuple[int, int], rng: np.random.Generator) 
     """Resize to (height, width) by one of OpenCV's ways, the field of view unchanged."""
     how = _RESIZINGS[int(rng.integers(len(_RESIZINGS)))]
     resized = cv2.resize(picture, (size[1], size[0]), interpolation=how)
-    return np.clip(resized, 0, 1).astype(np.float32)
+    clipped: _Picture = np.clip(resized, 0, 1)
+    return clipped
 
 
 def _line(side: int, width: float, centre: float = 0.0) -> NDArray[np.float64]:
@@ -218,7 +219,8 @@ def _line(side: int, width: float, centre: float = 0.0) -> NDArray[np.float64]:
     """
     squared = ((np.arange(side) - side // 2 - centre) / max(width, _LEAST_WIDTH_PX)) ** 2
     line: NDArray[np.float64] = np.exp(-0.5 * (squared - squared.min()))
-    return line / line.sum()
+    line /= line.sum()
+    return line
 
 
 def _gaussian(side: int, along: float, across: float, angle: float) -> NDArray[np.float64]:
@@ -237,19 +239,22 @@ def _gaussian(side: int, along: float, across: float, angle: float) -> NDArray[n
         down / max(across, _LEAST_WIDTH_PX)
     ) ** 2
     kernel: NDArray[np.float64] = np.exp(-0.5 * squared)
-    return kernel / kernel.sum()
+    kernel /= kernel.sum()
+    return kernel
 
 
 def _filtered(picture: _Picture, kernel: NDArray[np.float64]) -> _Picture:
     """Correlate, mirrored about the outermost pixels."""
     filtered = cv2.filter2D(picture, -1, kernel, borderType=cv2.BORDER_REFLECT_101)
-    return np.clip(filtered, 0, 1)  # it may multiply spectra, which leaves -1e-16
+    clipped: _Picture = np.clip(filtered, 0, 1)  # it may multiply spectra, which leaves -1e-16
+    return clipped
 
 
 def _filtered_apart(picture: _Picture, line: NDArray[np.float64]) -> _Picture:
     """Correlate with the same line along both sides."""
     filtered = cv2.sepFilter2D(picture, -1, line, line, borderType=cv2.BORDER_REFLECT_101)
-    return np.clip(filtered, 0, 1)
+    clipped: _Picture = np.clip(filtered, 0, 1)
+    return clipped
 
 
 def _mixing(level: float, rng: np.random.Generator) -> NDArray[np.float32]:
@@ -261,4 +266,5 @@ def _mixing(level: float, rng: np.random.Generator) -> NDArray[np.float32]:
     rotation, _ = np.linalg.qr(rng.random((3, 3)))
     covariance = level**2 * np.abs(rotation.T @ np.diag(rng.random(3)) @ rotation)
     variances, axes = np.linalg.eigh(covariance)
-    return (np.sqrt(np.maximum(variances, 0))[:, None] * axes.T).astype(np.float32)
+    mixing: NDArray[np.float32] = np.sqrt(np.maximum(variances, 0))[:, None] * axes.T
+    return mixing.astype(np.float32)
