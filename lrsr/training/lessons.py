@@ -51,7 +51,7 @@ def read_lessons(config: "DictConfig", cache: RenderCache) -> Lessons:
     from omegaconf import OmegaConf
 
     for key in sorted(OmegaConf.missing_keys(config.data)):
-        raise InputError(f"data.{key} must be given: add data.{key}=...")
+        raise InputError(f"{key} must be given: add {key}=...")
     given: Any = OmegaConf.to_container(config.data, resolve=True)
     kind = get_class(given["_target_"])
     if kind is not Mixed:

@@ -144,7 +144,7 @@ def test_a_wrong_setting_is_one_line(word: str, message: str, tmp_path: Path) ->
         (["degradation=bsrgan"], Bsrgan),
         (["data=images", "data.root=x", "degradation=random_cameras"], RandomCameras),
     ],
-    ids=" ".join,
+    ids=["rendered", "images", "mixed", "bsrgan", "images, random cameras"],
 )
 def test_the_degradation_follows_from_the_data_unless_it_is_chosen(
     words: list[str], wanted: type
