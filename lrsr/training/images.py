@@ -22,7 +22,7 @@ from lrsr.pictures.folder import read_folder
 from lrsr.pictures.image_files import read_image
 from lrsr.pictures.recipe import derived_seed
 from lrsr.training.patches import Pair, Patches
-from lrsr.training.patchwork import Patchwork
+from lrsr.training.patchwork import Batch, Patchwork
 from lrsr.training.shrinking.shrinking import Shrinking
 
 _TOGETHER = 16
@@ -171,7 +171,7 @@ class Images(Patchwork):
             )
         return image[:, :height, :width].mul(255).round().to(torch.uint8)
 
-    def pairs(self, epoch: int | None) -> Iterator[Pair]:
+    def pairs(self, epoch: int | None) -> Iterator[Batch]:
         """Yield small and true srgb pictures, a few of one size at a time."""
         if epoch is None:
             for index, path in enumerate(self.judged):

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from lrsr.configuration import as_number, require
 from lrsr.training.images import Images
 from lrsr.training.pairs import Pairs
-from lrsr.training.patches import Pair
-from lrsr.training.patchwork import Patchwork
+from lrsr.training.patchwork import Batch, Patchwork
 
 
 @dataclass(kw_only=True, eq=False)
@@ -79,17 +78,16 @@ class Mixed(Patchwork):
         self.images.read()
         super().setup(stage)
 
-    def pairs(self, epoch: int | None) -> Iterator[Pair]:
+    def pairs(self, epoch: int | None) -> Iterator[Batch]:
         """Yield pairs of people, then of pictures."""
         yield from self.rendered.pairs(epoch)
         yield from self.images.pairs(epoch)
 
-    def cut(self, epoch: int) -> Pair:
+    def cut(self, epoch: int) -> Batch:
         """Return the patches of an epoch, those of people first."""
         people, pictures = self.rendered.cut(epoch), self.images.cut(epoch)
         self.count = len(people[0])
-        inputs, targets = zip(people, pictures, strict=True)
-        return torch.cat(inputs), torch.cat(targets)
+        return tuple(map(torch.cat, zip(people, pictures, strict=True)))
 
     def rows(self, rng: np.random.Generator) -> NDArray[np.int64]:
         """Draw the patches of an epoch; the share is met to one patch."""

@@ -25,7 +25,7 @@ from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.scene import Film, Scene
 from lrsr.training.patches import Pair, Patches
-from lrsr.training.patchwork import Patchwork
+from lrsr.training.patchwork import Batch, Patchwork
 from lrsr.training.rendered import Rendered
 from lrsr.training.shrinking.shrinking import Shrinking
 
@@ -74,7 +74,7 @@ class Pairs(Patchwork, Rendered):
         self.steps = [tuple(as_whole(film, "data.films") for film in pair) for pair in pairs]
         self.cameras = self.degradation.cameras(self.camera)
         self.clean = self.camera.clean()
-        self._kept: dict[str, list[torch.Tensor]] = {}
+        self._kept: dict[str, list[Pair]] = {}
         self._check()
 
     def _check(self) -> None:
@@ -136,32 +136,38 @@ class Pairs(Patchwork, Rendered):
         """How the small pictures are made, in words."""
         return self.degradation.in_words(self.camera, of_films=True)
 
-    def pairs(self, epoch: int | None) -> Iterator[Pair]:
-        """Yield small and true srgb pictures, each batch of one size."""
+    def pairs(self, epoch: int | None) -> Iterator[Batch]:
+        """Yield small and true srgb pictures, each batch of one size, and the true landmarks."""
         people = self.validation_people if epoch is None else self.people
         return self._filmed(people) if self.cameras else self._shrunk(people, epoch)
 
-    def _filmed(self, people: Sequence[Person]) -> Iterator[Pair]:
+    def _filmed(self, people: Sequence[Person]) -> Iterator[Batch]:
         """Yield pictures of the small film, and of the fine one."""
         for camera, films in product(self.cameras, self.steps):
             for small, true in self._batches(people, films):
-                yield self._stacked(small, camera), self._stacked(true, self.clean)
+                inputs, _ = self._stacked(small, camera)
+                yield inputs, *self._stacked(true, self.clean)
 
-    def _shrunk(self, people: Sequence[Person], epoch: int | None) -> Iterator[Pair]:
+    def _shrunk(self, people: Sequence[Person], epoch: int | None) -> Iterator[Batch]:
         """Yield pictures of the fine film and what the degradation makes of them."""
         start = 0
-        for stored in self._sharp(people):
+        for stored, landmarks_px in self._sharp(people):
             seeds = self.degradation_seeds(epoch, start, len(stored))
-            yield from self.degradation(stored / 255, self.scale, seeds, self.camera)
+            at = 0
+            for pair in self.degradation(stored / 255, self.scale, seeds, self.camera):
+                yield *pair, landmarks_px[at : at + len(pair[0])]
+                at += len(pair[0])
             start += len(stored)
 
-    def _sharp(self, people: Sequence[Person]) -> list[torch.Tensor]:
-        """Return pictures of the fine films in 8 bits, taken once."""
+    def _sharp(self, people: Sequence[Person]) -> list[Pair]:
+        """Return pictures of the fine films in 8 bits, and their landmarks, taken once."""
         split = people[0].split
         if split not in self._kept:
             recipes = (few for _, true in self.steps for few in self._batches(people, [true]))
             taken = (self._stacked(few, self.clean) for (few,) in recipes)
-            self._kept[split] = [one.mul(255).round().to(torch.uint8) for one in taken]
+            self._kept[split] = [
+                (images.mul(255).round().to(torch.uint8), points) for images, points in taken
+            ]
         return self._kept[split]
 
     def _batches(
@@ -175,5 +181,5 @@ class Pairs(Patchwork, Rendered):
             for start in range(0, len(members), CHUNK):
                 yield tuple(zip(*members[start : start + CHUNK], strict=True))
 
-    def _stacked(self, recipes: Sequence[Recipe], camera: Camera) -> torch.Tensor:
-        return stack(list(self.taken(recipes, camera)))[0]
+    def _stacked(self, recipes: Sequence[Recipe], camera: Camera) -> Pair:
+        return stack(list(self.taken(recipes, camera)))

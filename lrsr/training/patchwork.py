@@ -13,19 +13,22 @@ from lrsr.pictures.recipe import derived_seed
 from lrsr.training.order import EpochOrder
 from lrsr.training.patches import Pair, Patches
 
+Batch = tuple[torch.Tensor, ...]
+"""Small and true pictures, and maybe the landmarks of the latter; or what is cut from them."""
 
-class EpochPatches(Dataset[Pair]):
+
+class EpochPatches(Dataset[Batch]):
     """The patches of one epoch, contiguous; those of the next replace them where they differ.
 
     Args:
-        cut: Returns inputs and targets of an epoch, always as many.
+        cut: Returns inputs, targets and what else a loss asks for of an epoch, always as many.
         redrawn: They differ from epoch to epoch.
 
     Attributes:
         order: Says which epoch it is.
     """
 
-    def __init__(self, cut: Callable[[int], Pair], *, redrawn: bool) -> None:
+    def __init__(self, cut: Callable[[int], Batch], *, redrawn: bool) -> None:
         self.cut, self.redrawn = cut, redrawn
         self.epoch, self.patches = 0, cut(0)
         self.count = len(self.patches[0])
@@ -34,13 +37,12 @@ class EpochPatches(Dataset[Pair]):
     def __len__(self) -> int:
         return self.count
 
-    def __getitem__(self, rows: torch.Tensor) -> Pair:
+    def __getitem__(self, rows: torch.Tensor) -> Batch:
         epoch = self.order.epoch if self.order else 0
         if self.redrawn and epoch != self.epoch:
             del self.patches  # two epochs at once might not fit in memory
             self.epoch, self.patches = epoch, self.cut(epoch)
-        inputs, targets = self.patches
-        return inputs[rows], targets[rows]
+        return tuple(part[rows] for part in self.patches)
 
 
 class Patchwork(LightningDataModule):
@@ -71,17 +73,17 @@ class Patchwork(LightningDataModule):
         """How the small pictures are made, in words, for the card that goes with the weights."""
 
     @abstractmethod
-    def pairs(self, epoch: int | None) -> Iterator[Pair]:
-        """Yield small and true srgb pictures, each batch of one size; None: those to validate on.
+    def pairs(self, epoch: int | None) -> Iterator[Batch]:
+        """Yield small and true srgb pictures, and landmarks where known; each batch of one size.
 
         Args:
-            epoch: Which of them; not read where nothing is redrawn.
+            epoch: Which of them; not read where nothing is redrawn. None: those to validate on.
         """
 
-    def cut(self, epoch: int) -> Pair:
+    def cut(self, epoch: int) -> Batch:
         """Return the patches of an epoch."""
-        inputs, targets = zip(*(self.patches.cut(*pair) for pair in self.pairs(epoch)), strict=True)
-        return torch.cat(inputs), torch.cat(targets)
+        cut = [self.patches.cut(*batch) for batch in self.pairs(epoch)]
+        return tuple(map(torch.cat, zip(*cut, strict=True)))
 
     def rows(self, rng: np.random.Generator) -> NDArray[np.int64]:
         """Return which patches an epoch shows, always as many: here all."""
@@ -97,10 +99,10 @@ class Patchwork(LightningDataModule):
             return
         self.lessons = EpochPatches(self.cut, redrawn=self.redrawn)
         self.validation_pairs = [
-            one for pair in self.pairs(None) for one in zip(*pair, strict=True)
+            one for batch in self.pairs(None) for one in zip(*batch[:2], strict=True)
         ]
 
-    def train_dataloader(self) -> DataLoader[Pair]:
+    def train_dataloader(self) -> DataLoader[Batch]:
         """Return batches of what the network takes and should return, in the epoch's order."""
         order = EpochOrder(self.rows, batch_size=self.batch_size, seed=self.seed)
         self.lessons.order = order

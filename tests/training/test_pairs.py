@@ -351,7 +351,7 @@ def test_a_camera_that_nothing_reads_is_told(cache: RenderCache, maker: FakeMake
 def test_targets_of_every_scale_show_the_place_of_the_input(
     scale: int, cache: RenderCache, maker: FakeMaker
 ) -> None:
-    ((small, true),) = module(cache, maker, scale=scale).pairs(None)
+    ((small, true, _),) = module(cache, maker, scale=scale).pairs(None)
     assert true.shape[-1] == scale * small.shape[-1]
 
 
@@ -366,3 +366,12 @@ def test_what_is_validated_on_is_told_apart(cache: RenderCache, maker: FakeMaker
     few, many = (module(cache, maker, count=count).about() for count in (2, 6))
     assert few["validation_renderings"] == many["validation_renderings"]
     assert few["renderings"] != many["renderings"]
+
+
+@pytest.mark.parametrize("name", ["camera", "random_cameras"])
+def test_landmarks_go_with_their_pictures(name: str, cache: RenderCache, maker: FakeMaker) -> None:
+    data = module(cache, maker, degradation=preset("degradation", name))
+    points = torch.cat([landmarks for _, _, landmarks in data.pairs(0)])
+    recipes = data.recipes(data.people, 2)
+    taken = take_pictures(recipes, cache, Camera(), maker=maker)
+    assert torch.equal(points, stack(taken)[1])
