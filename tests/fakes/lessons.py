@@ -25,6 +25,7 @@ from lrsr.training.order import EpochOrder
 from lrsr.training.patches import LuminancePatches, Pair, Patches
 from lrsr.training.patchwork import Patchwork
 from lrsr.training.restoration import Restoration
+from lrsr.training.shrinking.shrinking import Shrinking
 
 cosine = partial(torch.optim.lr_scheduler.CosineAnnealingLR)
 quiet = partial(Trainer, accelerator="cpu", devices=1, log_every_n_steps=1)
@@ -79,7 +80,7 @@ class RedrawnPairs(Patchwork):
     def __init__(self) -> None:
         super().__init__()
         self.batch_size, self.seed, self.patches = 8, 0, LuminancePatches()
-        self.degradation = preset("degradation", "random_cameras")
+        self.degradation: Shrinking = preset("degradation", "random_cameras")
 
     def pairs(self, epoch: int | None) -> Iterator[Pair]:
         true = draw_pictures(3, 48, seed=1).mul(255).round() / 255
