@@ -34,6 +34,7 @@ _PATHS = {
     "map",
     "weights",
     "root",
+    "validation_root",
     "contract",
     "mirror",
     "lpips",

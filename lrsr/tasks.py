@@ -44,6 +44,8 @@ def run_eval(config: "DictConfig") -> Path:
 
     _refuse_unread(config)
     kind: Any = get_class(str(config._target_))
+    if unread := getattr(kind, "unread", ()):
+        _refuse(unread, f"experiment={config.name} does not read it; leave it")
     experiment = kind.from_config(config)
     with run_folder(config) as folder:
         write_provenance(folder, config)
@@ -283,13 +285,19 @@ def run_train(config: "DictConfig") -> Path:
         )
     from lrsr.training.learner import Learner  # Lightning takes seconds
     from lrsr.training.lessons import read_lessons
+    from lrsr.training.patchwork import Patchwork
     from lrsr.training.resume import refuse_other_run, what_matters
     from lrsr.training.run import train
 
     data = read_lessons(config, _cache(config))
+    for section, why in data.unread.items():
+        _refuse([section], why)
     plain: Any = OmegaConf.to_container(config, resolve=True)
     depends_on = what_matters(plain) | data.about()
-    module = build(config.module, "module")
+    card = {}
+    if isinstance(data, Patchwork) and "lr_made_by" not in config.module:
+        card["lr_made_by"] = data.lr_made_by
+    module = build(config.module, "module", **card)
     resume = flag(config, "resume")
     steps = isinstance(module, Learner)
     for key in () if steps else ("trainer", "callbacks", "logger"):

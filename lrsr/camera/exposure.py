@@ -5,7 +5,7 @@ import torch
 from lrsr.errors import ImageContractError
 from lrsr.images import check_images
 
-_KEY = 0.9
+KEY = 0.9
 """Linear value at which a diffuse white sphere is recorded on average at 0 EV.
 
 An incident-light meter knows the light and not the subject, so the same light gives the same
@@ -46,5 +46,5 @@ def expose(linear: torch.Tensor, metered: torch.Tensor, exposure_ev: float = 0.0
         )
     if not bool((torch.isfinite(metered) & (metered > 0)).all()):
         raise ImageContractError(f"metered: got {metered.tolist()}, wanted finite numbers > 0")
-    gain: torch.Tensor = _KEY * 2.0**exposure_ev / metered.to(linear)
+    gain: torch.Tensor = KEY * 2.0**exposure_ev / metered.to(linear)
     return linear * gain[:, None, None, None]

@@ -67,7 +67,7 @@ class Degradation:
     def __post_init__(self) -> None:
         shares = dict.fromkeys(("small_share", "bicubic_share", "jpeg_share", "noise"), SHARE)
         sizes = {"ipd_px": (1.0, TEMPLATE_IPD_PX), "jpeg_quality": (1, 100), "group": (1, 4096)}
-        check_ranges(self, "module.degradation", shares | sizes, spans=["ipd_px", "jpeg_quality"])
+        check_ranges(self, "degradation", shares | sizes, spans=["ipd_px", "jpeg_quality"])
 
     def __call__(
         self, crops: torch.Tensor, sharp: torch.Tensor, rng: np.random.Generator

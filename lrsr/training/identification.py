@@ -45,7 +45,7 @@ class Identification(Learner):
         seed: Of the weights and of every degradation, any whole number.
 
     Raises:
-        InputError: A number is out of its range.
+        InputError: A number is out of its range, or the degradation is another network's.
     """
 
     monitor = "val/auc"
@@ -67,6 +67,11 @@ class Identification(Learner):
             raise InputError(f"module.scale={scale}: wanted a number > 0")
         if not 0 <= as_number(margin, "module.margin") < np.pi / 2:
             raise InputError(f"module.margin={margin}: wanted 0 to 1.57")
+        if not isinstance(degradation, Degradation):
+            raise InputError(
+                f"degradation={type(degradation).__name__}: wanted photographs, for"
+                " recognition=arcface"
+            )
         self.people, self.seed = as_whole(people, "module.people"), as_whole(seed, "module.seed")
         self.antialias = as_flag(antialias, "module.antialias")
         with torch.random.fork_rng(devices=[]):

@@ -1,13 +1,19 @@
 """What is to be learned, by the configuration? Names become values and people here."""
 
 from collections.abc import Mapping
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
-from lrsr.configuration import as_number, require
+from lrsr.configuration import as_number, as_whole, require
+from lrsr.errors import InputError
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.sitting import read_people, read_quality
 from lrsr.presets import build, value_of
+from lrsr.training.images import Images
+from lrsr.training.mixed import Mixed
+from lrsr.training.pairs import Pairs
 from lrsr.training.rendered import Rendered
+from lrsr.training.shrinking.shrinking import Shrinking
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -23,10 +29,14 @@ _LISTS = {
     *("poses", "lightings", "expressions", "ipd_px", "validation_ipd_px"),
     *("compressions", "enlargements"),
 }
+_COUNTS = ("validation_fraction", "validation_count")
+"""Of the people to validate on."""
+
+Lessons = Rendered | Images | Mixed
 
 
-def read_lessons(config: "DictConfig", cache: RenderCache) -> Rendered:
-    """Read what is rendered to train and to validate; see ``conf/data``.
+def read_lessons(config: "DictConfig", cache: RenderCache) -> Lessons:
+    """Read what is shown to train and to validate; see ``conf/data``.
 
     Validation people are drawn from the same population as those to learn, at least two.
 
@@ -35,32 +45,82 @@ def read_lessons(config: "DictConfig", cache: RenderCache) -> Rendered:
         cache: Of renderings.
 
     Raises:
-        InputError: A value is wrong, or the people are not of the split "train".
+        InputError: A value is wrong or missing, or the people are not of the split "train".
+    """
+    from hydra.utils import get_class  # loaded by Hydra anyway, as the next one
+    from omegaconf import OmegaConf
+
+    for key in sorted(OmegaConf.missing_keys(config.data)):
+        raise InputError(f"{key} must be given: add {key}=...")
+    given: Any = OmegaConf.to_container(config.data, resolve=True)
+    kind = get_class(given["_target_"])
+    if kind is not Mixed:
+        lessons: Lessons = _read(kind, given, config, cache)
+        return lessons
+    share = given.pop("rendered_share")
+    parts = {part: _of(part, given) for part in (Pairs, Images)}
+    for key in given.keys() - {"_target_"} - {key for part in parts.values() for key in part}:
+        raise InputError(f"data.{key}: no setting of data=mixed; --cfg job prints them")
+    rendered, images = (_read(part, parts[part], config, cache) for part in (Pairs, Images))
+    return Mixed(rendered=rendered, images=images, rendered_share=share)
+
+
+def _of(kind: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return which settings are those of one part of mixed lessons."""
+    names = {*signature(kind).parameters} | ({*_COUNTS} if kind is Pairs else set())
+    return {key: value for key, value in given.items() if key in names}
+
+
+def _read(kind: Any, given: dict[str, Any], config: "DictConfig", cache: RenderCache) -> Any:
+    """Build lessons of one kind from their settings and the groups that they ask for."""
+    asked = signature(kind).parameters
+    camera = build(config.camera, "camera")
+    more: dict[str, Any] = {"camera": camera}
+    if "degradation" in asked:
+        more["degradation"] = _read_degradation(config)
+    if "people" in asked:
+        more |= _read_people(given, config, cache)
+        more["lens"] = value_of("lens", config.lens)
+        camera.check_lens(more["lens"].name, pinhole=more["lens"].is_pinhole)
+    return _built({**given, "_target_": f"{kind.__module__}.{kind.__qualname__}"}, "data", **more)
+
+
+def _read_degradation(config: "DictConfig") -> Shrinking:
+    """Read how small pictures are made; see ``conf/degradation``.
+
+    Raises:
+        InputError: A value is wrong, or it is what an embedder learns from.
     """
     from omegaconf import OmegaConf  # loaded by Hydra anyway
 
+    given: Any = OmegaConf.to_container(config.degradation, resolve=True)
+    degradation = build(given, "degradation")
+    if not isinstance(degradation, Shrinking):
+        wish = "none, camera, random_cameras or bsrgan; photographs is for recognition=arcface"
+        raise InputError(f"degradation._target_={given['_target_']}: wanted {wish}")
+    return degradation
+
+
+def _read_people(given: dict[str, Any], config: "DictConfig", cache: RenderCache) -> dict[str, Any]:
+    """Read who is rendered, and how; takes the numbers of validation people out of ``given``."""
     people = read_people(config)
     require(people.split == "train", "identities.split", people.split, "train, to learn from")
-    given: Any = OmegaConf.to_container(config.data, resolve=True)
-    share = as_number(given.pop("validation_fraction"), "data.validation_fraction")
+    fraction, count = (given.pop(name, None) for name in _COUNTS)
+    share = as_number(fraction, "data.validation_fraction")
     require(0 < share <= 10, "data.validation_fraction", share, "a number > 0 and <= 10")
-    others = range(max(2, round(share * people.count)))
-    lens, camera = value_of("lens", config.lens), build(config.camera, "camera")
-    camera.check_lens(lens.name, pinhole=lens.is_pinhole)
-    lessons: Rendered = _built(
-        given,
-        "data",
-        people=people.people(),
-        validation_people=[people.cast.person("validation", index) for index in others],
-        lens=lens,
-        standpoint=value_of("standpoint", config.standpoint),
-        expression=value_of("expression", config.expression),
-        another_day=value_of("another_day", config.another_day),
-        quality=read_quality(config),
-        camera=camera,
-        cache=cache,
-    )
-    return lessons
+    if count is not None:
+        count = as_whole(count, "data.validation_count")
+        require(count >= 1, "data.validation_count", count, "at least 1, or null")
+    others = range(max(2, round(share * people.count)) if count is None else count)
+    return {
+        "people": people.people(),
+        "validation_people": [people.cast.person("validation", index) for index in others],
+        "standpoint": value_of("standpoint", config.standpoint),
+        "expression": value_of("expression", config.expression),
+        "another_day": value_of("another_day", config.another_day),
+        "quality": read_quality(config),
+        "cache": cache,
+    }
 
 
 def _built(node: Mapping[str, Any], name: str, **more: Any) -> Any:

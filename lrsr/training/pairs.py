@@ -1,19 +1,18 @@
-"""What does a super-resolution network train on? Pictures, rendered on the fly where missing.
+"""What does a super-resolution network learn from people? Pictures, rendered where missing.
 
 The low-resolution input is no shrunken picture: it is the ×1 film of the scene through the camera,
-compressed, and the target is the ×2 or ×4 film of the same scene, with the same exposure and
-without the camera's flaws. Film and reference are aligned by construction.
+and the target is the ×2, ×3 or ×4 film of the same scene, with the same exposure and without the
+camera's flaws. Film and reference are aligned by construction. A degradation that no camera of a
+scene can have, such as one drawn anew in each epoch, is made of the target instead.
 """
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-import numpy as np
 import torch
-from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.camera import Camera
 from lrsr.configuration import as_list, as_number, as_whole, require
@@ -25,26 +24,25 @@ from lrsr.rendering.geometry import film_size_px
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.pose import Pose
 from lrsr.rendering.scene import Film, Scene
-from lrsr.training.order import EpochOrder
 from lrsr.training.patches import Pair, Patches
+from lrsr.training.patchwork import Batch, Patchwork
 from lrsr.training.rendered import Rendered
+from lrsr.training.shrinking.shrinking import Shrinking
 
 
 @dataclass(kw_only=True, eq=False)
-class Pairs(Rendered):
-    """Patches for training, whole srgb pictures for validation; see the base's attributes, too.
+class Pairs(Patchwork, Rendered):
+    """Patches for training, whole srgb pictures for validation; see the bases' attributes, too.
 
-    ``prepare_data`` renders what the cache lacks, with a bar; ``setup`` cuts the patches into two
-    contiguous tensors (SRCNN: 6 kB a pair; 9 patches of a 64×64 target, 49 of 128×128). Targets are
-    taken without the camera's flaws, with its exposure.
+    ``prepare_data`` renders what the cache lacks, with a bar.
 
     Attributes:
-        scale: 2 or 4, how many times larger the target is.
+        scale: 2, 3 or 4, how many times larger the target is.
         poses: How heads may be held.
         lightings: What light may reach them.
         ipd_px: Interpupillary distances of the ×1 film, px.
         views: How many of the poses × lightings × distances each person is seen in, drawn by seed.
-        compressions: Of the input; the target has none.
+        degradation: How the input comes to be.
         films: Scales of the films of input and target, e.g. ``[[1, 2], [2, 4]]``: the second pair
             shows a 2× network that is applied twice what its second pass meets. None: 1 to scale.
         patches: Cuts what the network takes and what it should return.
@@ -58,7 +56,7 @@ class Pairs(Rendered):
     lightings: Sequence[Lighting]
     ipd_px: Sequence[float]
     views: int
-    compressions: Sequence[str]
+    degradation: Shrinking
     films: Sequence[Sequence[int]] | None = None
     patches: Patches
 
@@ -74,19 +72,19 @@ class Pairs(Rendered):
         pairs = [as_list(pair, "data.films") for pair in films]
         require(all(len(pair) == 2 for pair in pairs), "data.films", films, "pairs, e.g. [[1,2]]")
         self.steps = [tuple(as_whole(film, "data.films") for film in pair) for pair in pairs]
-        self.cameras = [self.camera.compressing(name) for name in self.compressions]
+        self.cameras = self.degradation.cameras(self.camera)
         self.clean = self.camera.clean()
+        self._kept: dict[str, list[Pair]] = {}
         self._check()
 
     def _check(self) -> None:
         count = len(self.conditions)
         require(count > 0, "data.poses, lightings, ipd_px", [], "at least one of each")
-        require(self.scale in (2, 4), "data.scale", self.scale, "2 or 4")
+        require(self.scale in (2, 3, 4), "data.scale", self.scale, "2, 3 or 4")
         wish = f"1 to {count}, the number of poses x lightings x distances"
         require(1 <= self.views <= count, "data.views", self.views, wish)
         fit = all(hr == lr * self.scale for lr, hr in self.steps)
         require(fit, "data.films", self.steps, f"films that differ by the factor {self.scale}")
-        require(len(self.cameras) > 0, "data.compressions", [], "at least one")
         require(self.batch_size >= 1, "data.batch_size", self.batch_size, "a number >= 1")
         smallest = film_size_px(min(self.ipd_px)) * min(lr for lr, _ in self.steps)
         least = self.patches.least_px(self.scale)
@@ -109,46 +107,79 @@ class Pairs(Rendered):
 
     def shots(self) -> Iterator[tuple[Recipe, Camera]]:
         """Yield every picture that is needed and who takes it."""
-        for people, films in product((self.people, self.validation_people), self.steps):
-            for film, camera in zip(films, (self.cameras[0], self.clean), strict=True):
-                for recipe in self.recipes(people, film):
-                    yield recipe, camera
+        for people in (self.people, self.validation_people):
+            yield from self._shots_of(people)
 
-    def setup(self, stage: str | None = None) -> None:
-        """Cut the training patches and take the validation pictures, once.
+    def _shots_of(self, people: Sequence[Person]) -> Iterator[tuple[Recipe, Camera]]:
+        for small, true in self.steps:
+            yield from product(self.recipes(people, small), self.cameras[:1])
+            yield from product(self.recipes(people, true), [self.clean])
 
-        Args:
-            stage: Lightning's; all stages need both.
-        """
-        if hasattr(self, "train_patches"):
-            return
-        cut = [self.patches.cut(*pair) for pair in self._batches(self.people)]
-        inputs, targets = zip(*cut, strict=True)
-        self.train_patches = TensorDataset(torch.cat(inputs), torch.cat(targets))
-        whole = self._batches(self.validation_people)
-        self.validation_pairs: Any = [one for pair in whole for one in zip(*pair, strict=True)]
+    def about(self) -> dict[str, Any]:
+        """Return what all of it depends on, and apart, what is validated on."""
+        judged = self.digest(self._shots_of(self.validation_people))
+        return super().about() | {"validation_renderings": judged}
 
-    def _batches(self, people: Sequence[Person]) -> Iterator[Pair]:
-        """Yield small and true srgb pictures, each batch of one size."""
-        for camera, (lr_film, hr_film) in product(self.cameras, self.steps):
-            both = zip(self.recipes(people, lr_film), self.recipes(people, hr_film), strict=True)
-            alike: dict[float, list[tuple[Recipe, Recipe]]] = {}
-            for pair in both:
-                alike.setdefault(pair[0].film.ipd_px, []).append(pair)
-            for members in alike.values():
-                for start in range(0, len(members), CHUNK):
-                    small, true = zip(*members[start : start + CHUNK], strict=True)
-                    yield (
-                        stack(list(self.taken(small, camera)))[0],
-                        stack(list(self.taken(true, self.clean)))[0],
-                    )
+    @property
+    def unread(self) -> Mapping[str, str]:
+        """Return sections of the configuration that change nothing, and why."""
+        why = "only degradation=camera reads it; leave it, or give that"
+        return {} if self.degradation.reads_camera else {"camera": why}
 
-    def train_dataloader(self) -> DataLoader[tuple[torch.Tensor, ...]]:
-        """Return batches of what the network takes and should return, in the epoch's order."""
-        rows = np.arange(len(self.train_patches))
-        order = EpochOrder(lambda rng: rows.copy(), batch_size=self.batch_size, seed=self.seed)
-        return DataLoader(self.train_patches, sampler=order, batch_size=None)
+    @property
+    def redrawn(self) -> bool:
+        """Do the pairs differ from epoch to epoch?"""
+        return self.degradation.redrawn
 
-    def val_dataloader(self) -> DataLoader[Pair]:
-        """Return whole srgb pictures, ``(1, 3, H, W)`` small and true, one at a time, in order."""
-        return DataLoader(self.validation_pairs, batch_size=1)
+    @property
+    def lr_made_by(self) -> str:
+        """How the small pictures are made, in words."""
+        return self.degradation.in_words(self.camera, of_films=True)
+
+    def pairs(self, epoch: int | None) -> Iterator[Batch]:
+        """Yield small and true srgb pictures, each batch of one size, and the true landmarks."""
+        people = self.validation_people if epoch is None else self.people
+        return self._filmed(people) if self.cameras else self._shrunk(people, epoch)
+
+    def _filmed(self, people: Sequence[Person]) -> Iterator[Batch]:
+        """Yield pictures of the small film, and of the fine one."""
+        for camera, films in product(self.cameras, self.steps):
+            for small, true in self._batches(people, films):
+                inputs, _ = self._stacked(small, camera)
+                yield inputs, *self._stacked(true, self.clean)
+
+    def _shrunk(self, people: Sequence[Person], epoch: int | None) -> Iterator[Batch]:
+        """Yield pictures of the fine film and what the degradation makes of them."""
+        start = 0
+        for stored, landmarks_px in self._sharp(people):
+            seeds = self.degradation_seeds(epoch, start, len(stored))
+            at = 0
+            for pair in self.degradation(stored / 255, self.scale, seeds, self.camera):
+                yield *pair, landmarks_px[at : at + len(pair[0])]
+                at += len(pair[0])
+            start += len(stored)
+
+    def _sharp(self, people: Sequence[Person]) -> list[Pair]:
+        """Return pictures of the fine films in 8 bits, and their landmarks, taken once."""
+        split = people[0].split
+        if split not in self._kept:
+            recipes = (few for _, true in self.steps for few in self._batches(people, [true]))
+            taken = (self._stacked(few, self.clean) for (few,) in recipes)
+            self._kept[split] = [
+                (images.mul(255).round().to(torch.uint8), points) for images, points in taken
+            ]
+        return self._kept[split]
+
+    def _batches(
+        self, people: Sequence[Person], films: Sequence[int]
+    ) -> Iterator[tuple[Sequence[Recipe], ...]]:
+        """Yield recipes of the same scenes on each film, a few of one size at a time."""
+        alike: dict[float, list[tuple[Recipe, ...]]] = {}
+        for scene in zip(*(self.recipes(people, film) for film in films), strict=True):
+            alike.setdefault(scene[0].film.ipd_px, []).append(scene)
+        for members in alike.values():
+            for start in range(0, len(members), CHUNK):
+                yield tuple(zip(*members[start : start + CHUNK], strict=True))
+
+    def _stacked(self, recipes: Sequence[Recipe], camera: Camera) -> Pair:
+        return stack(list(self.taken(recipes, camera)))

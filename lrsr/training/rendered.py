@@ -2,7 +2,7 @@
 
 import hashlib
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -76,14 +76,22 @@ class Rendered(LightningDataModule):
 
     def about(self) -> dict[str, Any]:
         """Return what all of it depends on, in plain values: who, how it is made, which keys."""
-        versions = self.maker.versions
-        keys = [self.cache.key(filmed(*shot), versions) for shot in self.shots()]
         return {
             "people": len(self.people),
             "validation_people": len(self.validation_people),
-            **{f"versions.{name}": version for name, version in versions.items()},
-            "renderings": hashlib.sha256("".join(keys).encode()).hexdigest()[:16],
+            **{f"versions.{name}": version for name, version in self.maker.versions.items()},
+            "renderings": self.digest(self.shots()),
         }
+
+    def digest(self, shots: Iterable[tuple[Recipe, Camera]]) -> str:
+        """Return 16 hex digits that depend on every rendering."""
+        keys = [self.cache.key(filmed(*shot), self.maker.versions) for shot in shots]
+        return hashlib.sha256("".join(keys).encode()).hexdigest()[:16]
+
+    @property
+    def unread(self) -> Mapping[str, str]:
+        """Return sections of the configuration that change nothing, and why: here none."""
+        return {}
 
     def prepare_data(self) -> None:
         """Render what the cache lacks; stopped at any moment, the next call goes on.

@@ -14,9 +14,11 @@ from lrsr.sr.weights import read_checkpoint
 from lrsr.training.precision import choose_precision
 
 #: What cannot change a weight: where things lie, how a run is told and when it goes on. A roster
-#: counts by the people in it, wherever its file lies.
+#: counts by the people in it, and a folder by its pictures, wherever they lie.
 _IRRELEVANT = (
     "callbacks.progress",
+    "data.root",
+    "data.validation_root",
     "hydra",
     "identities.roster",
     "logger",

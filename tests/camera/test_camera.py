@@ -15,7 +15,7 @@ from lrsr.camera.camera import STAGES
 from lrsr.camera.codec import COMPRESSIONS, Jpeg, jpeg
 from lrsr.camera.colour import Colour
 from lrsr.camera.encoding import encode
-from lrsr.camera.exposure import _KEY, expose
+from lrsr.camera.exposure import KEY, expose
 from lrsr.camera.mosaic import Mosaic
 from lrsr.camera.optics import Optics, bin_pixels
 from lrsr.camera.processing import Processing
@@ -36,7 +36,7 @@ def light(batch: int = 2, height: int = 32, width: int = 32, seed: int = 0) -> t
 @pytest.mark.parametrize("codec", ["true", "differentiable"])
 def test_without_compression_the_file_is_the_rounded_curve(codec: str) -> None:
     linear = light()
-    wanted = (linear_to_srgb(linear * _KEY / 2.0) * 255).round() / 255
+    wanted = (linear_to_srgb(linear * KEY / 2.0) * 255).round() / 255
     assert torch.allclose(Camera(codec=codec)(linear, torch.tensor([2.0, 2.0])), wanted)
 
 
@@ -347,7 +347,7 @@ def test_one_film_of_bands_serves_cameras_with_and_without_measured_filters() ->
 
 def test_measured_filters_record_a_white_sphere_as_every_camera_does() -> None:
     wall = torch.tensor(LAMP.whites)[:, :, None, None].expand(2, 35, 32, 32)
-    white = round(255 * float(linear_to_srgb(torch.tensor(_KEY))))
+    white = round(255 * float(linear_to_srgb(torch.tensor(KEY))))
     for camera in (Camera(colour=MEASURED), Camera(colour=MEASURED, mosaic=Mosaic())):
         picture = camera(2 * wall, torch.full((2,), 2.0), None, LAMP).mul(255)
         assert picture.unique().tolist() == pytest.approx([white])
@@ -408,6 +408,6 @@ def test_photosites_are_balanced_before_colours_are_interpolated() -> None:
     film = torch.tensor(LAMP.whites)[:1, :, None, None] * edge
     light = Spectrum(LAMP.edges_nm, LAMP.whites[:1])
     srgb = Camera(colour=MEASURED, mosaic=Mosaic())(film, torch.ones(1), None, light)
-    grey = Mosaic()(Mosaic().filter(_KEY * edge.expand(1, 3, 16, 16)))
+    grey = Mosaic()(Mosaic().filter(KEY * edge.expand(1, 3, 16, 16)))
     wanted = encode(MEASURED(grey, light))
     assert float((srgb - wanted).abs().max()) <= 1.001 / 255

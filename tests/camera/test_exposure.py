@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lrsr.camera.exposure import _KEY, expose
+from lrsr.camera.exposure import KEY, expose
 from lrsr.errors import ImageContractError, NonFiniteError
 from lrsr.images import linear_to_srgb
 
@@ -16,7 +16,7 @@ def film(value: float, batch: int = 1) -> torch.Tensor:
 
 def test_a_white_sphere_averages_the_key() -> None:
     # Radiance.metered is what a white sphere sends on average.
-    assert float(expose(film(2.0), METERED).mean()) == pytest.approx(_KEY)
+    assert float(expose(film(2.0), METERED).mean()) == pytest.approx(KEY)
 
 
 def test_a_face_of_medium_tone_lies_in_the_middle_of_srgb() -> None:

@@ -17,7 +17,7 @@ from lrsr.camera.bayer import PATTERNS, mosaic
 from lrsr.camera.codec import jpeg, jpeg_differentiable
 from lrsr.camera.demosaic import METHODS, demosaic
 from lrsr.camera.distortion import Distortion
-from lrsr.camera.exposure import _KEY, expose
+from lrsr.camera.exposure import KEY, expose
 from lrsr.camera.image_plane import pixel_grid, pixels_to_mm
 from lrsr.camera.optics import bin_pixels
 from lrsr.camera.processing import _sharpen
@@ -51,7 +51,7 @@ def means(light: torch.Tensor) -> list[float]:
 def test_the_exposure_is_a_factor() -> None:
     light = noise(2, 3, 8, 8).float()
     exposed = expose(light, torch.tensor([2.0, 2.0]), 1.0)
-    assert means(exposed) == pytest.approx([_KEY * mean for mean in means(light)])
+    assert means(exposed) == pytest.approx([KEY * mean for mean in means(light)])
 
 
 @pytest.mark.parametrize(
@@ -205,6 +205,6 @@ def test_the_whole_camera_keeps_the_mean_radiance_of_faces(faces: torch.Tensor) 
         sensor=Sensor(8000.0),
         stored=Jpeg(90, "4:4:4"),
     )
-    film = 0.8 * faces / _KEY  # nothing clips
+    film = 0.8 * faces / KEY  # nothing clips
     picture = srgb_to_linear(camera(film, torch.ones(4), range(4)))
     assert means(picture) == pytest.approx(means(0.8 * faces), rel=0.01)

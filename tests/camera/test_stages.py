@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from lrsr.camera import Camera, Colour, Jpeg, Mosaic, Optics, Processing, Sensor, Video
-from lrsr.camera.exposure import _KEY
+from lrsr.camera.exposure import KEY
 from lrsr.camera.optics import bin_pixels
 from lrsr.camera.stages import show_stages
 from lrsr.errors import InputError
@@ -43,7 +43,7 @@ def test_the_last_step_is_the_picture_that_the_camera_takes() -> None:
 
 def test_each_step_is_what_the_stage_makes_of_the_step_before() -> None:
     steps = show_stages(camera(), LIGHT, METERED, SEEDS)
-    film = LIGHT * _KEY
+    film = LIGHT * KEY
     blurred = STAGES["optics"](film, supersampling=2)
     assert torch.equal(steps["film"], linear_to_srgb(film))
     assert torch.equal(steps["lens"], linear_to_srgb(blurred))
@@ -71,7 +71,7 @@ def test_steps_that_a_camera_lacks_are_left_out() -> None:
 
 def test_of_a_recording_the_last_exposure_is_shown() -> None:
     taken_by = camera(stored=Video(frames=2))
-    light = taken_by.gather(LIGHT * _KEY)
+    light = taken_by.gather(LIGHT * KEY)
     last = taken_by.develop(light, SEEDS, 1)
     processed = show_stages(taken_by, LIGHT, METERED, SEEDS)["processed"]
     assert torch.equal((processed * 255).round() / 255, last)

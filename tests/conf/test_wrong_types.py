@@ -11,6 +11,7 @@ from types import SimpleNamespace
 from typing import Any, NoReturn
 
 import pytest
+import torch
 from hydra import compose, initialize_config_dir
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
@@ -19,6 +20,7 @@ from omegaconf import OmegaConf
 from lrsr import presets, tasks
 from lrsr.failures import explain
 from lrsr.paths import config_folder
+from lrsr.pictures.image_files import write_png
 from lrsr.sr import loading
 from lrsr.training import run
 
@@ -40,7 +42,11 @@ COMMANDS = {
     "train-srcnn": ["train=srcnn4x"],
     "train-edsr": ["train=edsr2x", "module.arguments.blocks=1", "module.arguments.features=8"],
     "train-arcface": ["train=arcface"],
-    "train-mixed": ["train=mixed_resolution"],
+    "train-mixed-resolution": ["train=mixed_resolution"],
+    "train-images": ["train=srcnn2x", "data=images", "data.root=shown", "degradation=bsrgan"],
+    "train-mixed": [
+        *("train=srcnn2x_camera", "data=mixed", "data.root=shown", "data.crop_px=64"),
+    ],
 }
 SHARED = {"identities", "rendering", "lens", "standpoint", "paths", "seed"}
 """What is read alike in every command, and tried in the first."""
@@ -59,6 +65,11 @@ UNREAD = {
     "upscale": {"paths.run", "paths.runs"},  # it writes into out
     "fit-camera": {"camera"},  # when the pictures were read
     "models": {"paths"},
+    "train-images": {
+        *("expression", "another_day"),
+        *("camera", "callbacks", "module", "trainer", "resume"),  # tried with srcnn
+    },
+    "train-mixed": {"camera", "callbacks", "module", "trainer", "resume"},
 }
 OF_OTHERS = {
     *("expression.name", "identities.roster"),  # lrsr.identities takes any text for a name
@@ -75,6 +86,7 @@ RIGHT: dict[str, list[Any]] = {
     "tile_px": [None],
     "around_px": [None],
     "camera.stored.qualities": [LIST],  # compressed twice
+    "data.crop_px": [None],
 }
 
 
@@ -107,7 +119,10 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     ):
         monkeypatch.setattr(f"lrsr.{last}", stop)
     monkeypatch.setattr("lrsr.training.run.train", stop_at_the_trainer)
-    monkeypatch.setattr("lrsr.training.rendered.Rendered.about", lambda _: {})
+    for lessons in ("rendered.Rendered", "pairs.Pairs"):
+        monkeypatch.setattr(f"lrsr.training.{lessons}.about", lambda _: {})
+    for number in range(2):
+        write_png(tmp_path / "shown" / f"{number}.png", torch.zeros(3, 40, 40))
     monkeypatch.setattr(tasks, "write_provenance", lambda *_: None)
     monkeypatch.setattr(loading, "read_weights", functools.cache(loading.read_weights))
     monkeypatch.setattr(presets, "preset", as_they_are)

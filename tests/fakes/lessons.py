@@ -1,5 +1,6 @@
 """Lessons that take milliseconds, drawn pictures and painted faces, for every training test."""
 
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,9 @@ import torch
 from lightning.pytorch import LightningDataModule, Trainer
 from torch.utils.data import DataLoader, TensorDataset
 
+from lrsr.camera import Camera
 from lrsr.images import resize_bicubic
+from lrsr.presets import preset
 from lrsr.training.augmentation.background import Background
 from lrsr.training.augmentation.blur import Blur
 from lrsr.training.augmentation.colour import Colour
@@ -20,7 +23,9 @@ from lrsr.training.faces import _draw_views
 from lrsr.training.identification import Identification
 from lrsr.training.order import EpochOrder
 from lrsr.training.patches import LuminancePatches, Pair, Patches
+from lrsr.training.patchwork import Patchwork
 from lrsr.training.restoration import Restoration
+from lrsr.training.shrinking.shrinking import Shrinking
 
 cosine = partial(torch.optim.lr_scheduler.CosineAnnealingLR)
 quiet = partial(Trainer, accelerator="cpu", devices=1, log_every_n_steps=1)
@@ -64,6 +69,22 @@ class SyntheticPairs(LightningDataModule):
 
     def val_dataloader(self) -> DataLoader[Any]:
         return DataLoader(TensorDataset(*self.val_pairs), batch_size=1)
+
+
+class RedrawnPairs(Patchwork):
+    """Pictures through other cameras in every epoch."""
+
+    redrawn = True
+    lr_made_by = "drawn"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.batch_size, self.seed, self.patches = 8, 0, LuminancePatches()
+        self.degradation: Shrinking = preset("degradation", "random_cameras")
+
+    def pairs(self, epoch: int | None) -> Iterator[Pair]:
+        true = draw_pictures(3, 48, seed=1).mul(255).round() / 255
+        return self.degradation(true, 2, self.degradation_seeds(epoch, 0, 3), Camera())
 
 
 class PaintedFaces(LightningDataModule):
@@ -162,6 +183,8 @@ def train_by_command(folder: str, epochs: int) -> int:
     from lrsr.training import lessons
 
     class Drawn(SyntheticPairs):
+        unread: Mapping[str, str] = {}
+
         def about(self) -> dict[str, Any]:
             return {}
 

@@ -17,7 +17,7 @@ from fakes.scenes import recipe
 from fakes.twins import TwinMaker, traits
 
 from lrsr.camera import Camera
-from lrsr.camera.exposure import _KEY
+from lrsr.camera.exposure import KEY
 from lrsr.camera.optics import bin_pixels
 from lrsr.camera.sensor import Sensor
 from lrsr.camera.spectral import SpectralColour
@@ -244,7 +244,7 @@ def test_the_picture_is_what_the_camera_makes_of_the_light(
 ) -> None:
     (light,) = load_radiances([recipe()], cache, progress=False, maker=maker)
     (probe,) = take_pictures([recipe()], cache, Camera(), progress=False, maker=maker)
-    wanted = (linear_to_srgb(light.image * _KEY / light.metered) * 255).round() / 255
+    wanted = (linear_to_srgb(light.image * KEY / light.metered) * 255).round() / 255
     assert torch.allclose(probe.image, wanted)
 
 

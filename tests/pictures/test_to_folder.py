@@ -16,7 +16,7 @@ from fakes.twins import TwinMaker, traits
 
 import lrsr.pictures.to_folder as module
 from lrsr.camera import Camera
-from lrsr.camera.exposure import _KEY
+from lrsr.camera.exposure import KEY
 from lrsr.camera.sensor import Sensor
 from lrsr.camera.spectral import SpectralColour
 from lrsr.errors import InputError
@@ -235,7 +235,7 @@ def test_the_sixteen_bit_file_holds_the_exposed_light(
     lights = load_radiances(settings.sitting.recipes(), cache_of(settings), maker=maker)
     for row, light in zip(read_manifest(settings.out), lights, strict=True):
         linear = read_image(settings.out / row.linear_file)
-        assert torch.allclose(linear, (_KEY * light.image / light.metered).clamp(0, 1), atol=1e-5)
+        assert torch.allclose(linear, (KEY * light.image / light.metered).clamp(0, 1), atol=1e-5)
         encoded = (linear_to_srgb(linear) * 255).round() / 255
         assert float((encoded - read_image(settings.out / row.file)).abs().max()) <= 1.001 / 255
 

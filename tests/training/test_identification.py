@@ -10,6 +10,7 @@ from fakes.lessons import make_arcface
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.training.degradation import Degradation
 from lrsr.training.identification import Identification, _verification_aucs
+from lrsr.training.shrinking.clean import Clean
 
 
 def toy_batch(people: int = 6, views: int = 2) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
@@ -89,3 +90,9 @@ def test_an_impossible_margin_is_refused(wrong: dict[str, Any], message: str) ->
         Identification(
             people=3, optimizer=partial(torch.optim.Adam), degradation=Degradation(), **wrong
         )
+
+
+def test_a_degradation_for_super_resolution_is_refused() -> None:
+    wrong: Any = Clean()
+    with pytest.raises(InputError, match="degradation=Clean: wanted photographs, for recognition"):
+        Identification(people=3, optimizer=partial(torch.optim.Adam), degradation=wrong)

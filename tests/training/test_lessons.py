@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fakes.lessons import draw_pictures
 from hydra import compose, initialize_config_dir
 from lightning.pytorch.loggers import CSVLogger
 from omegaconf import DictConfig
@@ -14,11 +15,19 @@ from lrsr.identities.population import Population
 from lrsr.identities.roster import Roster, write_roster
 from lrsr.paths import config_folder
 from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.image_files import write_png
 from lrsr.presets import build
 from lrsr.training.lessons import read_lessons
 from lrsr.training.progress import Progress
+from lrsr.training.shrinking.bsrgan import Bsrgan
+from lrsr.training.shrinking.clean import Clean
+from lrsr.training.shrinking.one_camera import OneCamera
+from lrsr.training.shrinking.random_cameras import RandomCameras
 
-NETWORKS = ("srcnn2x", "srcnn4x", "edsr2x", "edsr4x", "arcface")
+NETWORKS = (
+    *("srcnn2x", "srcnn3x", "srcnn4x", "srcnn2x_camera", "srcnn4x_camera", "edsr2x", "edsr4x"),
+    "arcface",
+)
 NAMES = (*NETWORKS, "mixed_resolution")
 
 
@@ -96,7 +105,7 @@ def test_names_become_values(tmp_path: Path) -> None:
 
 def test_one_value_is_a_list_of_one(tmp_path: Path) -> None:
     words = ["data.poses=left", "data.lightings=above", "data.ipd_px=9", "data.views=1"]
-    data = lessons("srcnn2x", tmp_path, *words, "data.compressions=heavy")
+    data = lessons("srcnn2x", tmp_path, *words, "degradation.compressions=heavy")
     ((scene, ipd_px),) = data.conditions
     assert (scene.pose.name, scene.lighting.name, ipd_px) == ("left", "above", 9.0)
     assert [camera.compression for camera in data.cameras] == ["heavy"]
@@ -123,11 +132,68 @@ def test_who_is_cast_is_who_is_learned(tmp_path: Path) -> None:
         ("data.validation_fraction=0", "data.validation_fraction=0.0: wanted a number > 0"),
         ("data.poses=[lefft]", "pose=lefft: there is none; did you mean left"),
         ("+data.ipd=3", "data: .*unexpected keyword argument 'ipd'"),
+        ("data.validation_count=0", "data.validation_count=0: wanted at least 1"),
+        ("data=images", "data.root must be given: add data.root="),
+        ("degradation=photographs", "degradation._target_=.*for recognition=arcface"),
     ],
 )
 def test_a_wrong_setting_is_one_line(word: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message):
         lessons("srcnn2x", tmp_path, word)
+
+
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        ([], OneCamera),
+        (["data=images", "data.root=x"], Clean),
+        (["data=mixed", "data.root=x"], OneCamera),
+        (["degradation=bsrgan"], Bsrgan),
+        (["data=images", "data.root=x", "degradation=random_cameras"], RandomCameras),
+    ],
+    ids=["rendered", "images", "mixed", "bsrgan", "images, random cameras"],
+)
+def test_the_degradation_follows_from_the_data_unless_it_is_chosen(
+    words: list[str], wanted: type
+) -> None:
+    assert isinstance(build(composed("srcnn2x", *words).degradation, "degradation"), wanted)
+
+
+@pytest.mark.parametrize("scale", [2, 4])
+def test_camera_aware_networks_see_random_cameras_of_any_data(scale: int) -> None:
+    for data in ([], ["data=images"], ["data=mixed"]):
+        config = composed(f"srcnn{scale}x_camera", *data)
+        assert config.module.scale == scale
+        assert config.degradation._target_.endswith("RandomCameras")
+
+
+@pytest.fixture
+def pictures(tmp_path: Path) -> Path:
+    for number, picture in enumerate(draw_pictures(3, 40, seed=0)):
+        write_png(tmp_path / "pictures" / f"{number}.png", picture)
+    return tmp_path / "pictures"
+
+
+def test_a_folder_of_pictures_is_read_without_people(pictures: Path, tmp_path: Path) -> None:
+    data = lessons("srcnn3x", tmp_path, "data=images", f"data.root={pictures}", "data.pictures=1")
+    assert (data.scale, len(data.learned), len(data.judged)) == (3, 1, 1)
+    data.setup("fit")
+    assert next(iter(data.train_dataloader()))[0].shape == (1, 1, 33, 33)
+
+
+def test_mixed_lessons_take_the_settings_of_both(pictures: Path, tmp_path: Path) -> None:
+    words = ["data=mixed", f"data.root={pictures}", "data.ipd_px=9", "data.views=1"]
+    words += ["data.rendered_share=0.3", "data.validation_count=5", "data.crop_px=null"]
+    data = lessons("srcnn2x", tmp_path, *words)
+    assert (data.rendered.ipd_px, data.images.crop_px, data.rendered_share) == ([9.0], None, 0.3)
+    assert [len(data.rendered.validation_people), len(data.images.judged)] == [5, 1]
+    with pytest.raises(InputError, match=r"data\.crop: no setting of data=mixed"):
+        lessons("srcnn2x", tmp_path, *words, "+data.crop=3")
+
+
+def test_so_many_people_validate_however_many_are_learned(tmp_path: Path) -> None:
+    data = lessons("srcnn2x", tmp_path, "data.validation_count=7")
+    assert len(data.validation_people) == 7
 
 
 def test_callbacks_loggers_and_trainer_are_built(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ import pytest
 import torch
 from fakes.maker import FakeMaker
 from lightning import LightningModule, Trainer
-from torch.utils.data import TensorDataset
 
 from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
@@ -24,6 +23,8 @@ from lrsr.rendering.scene import Quality
 from lrsr.rendering.standpoint import LEVEL
 from lrsr.training.pairs import Pairs
 from lrsr.training.patches import LuminancePatches, RgbPatches
+from lrsr.training.shrinking.clean import Clean
+from lrsr.training.shrinking.one_camera import OneCamera
 
 NAMED = {"poses": "pose", "lightings": "lighting"}
 
@@ -35,7 +36,7 @@ def module(cache: RenderCache, maker: FakeMaker, count: int = 6, **settings: Any
         "poses": ["frontal"],
         "lightings": ["frontal"],
         "ipd_px": [8.0],
-        "compressions": ["none"],
+        "degradation": OneCamera(),
         "views": 1,
         "scale": 2,
         "patches": LuminancePatches(),
@@ -61,9 +62,7 @@ def ready(cache: RenderCache, maker: FakeMaker, **settings: Any) -> Pairs:
 
 
 def everything(data: Pairs) -> tuple[torch.Tensor, ...]:
-    patches = data.train_dataloader().dataset
-    assert isinstance(patches, TensorDataset)
-    return patches.tensors
+    return data.cut(0)
 
 
 def test_another_day_and_an_expression_are_those_of_both_films(
@@ -79,7 +78,7 @@ def test_another_day_and_an_expression_are_those_of_both_films(
 def test_patches_are_those_of_the_two_films_through_the_camera(
     cache: RenderCache, maker: FakeMaker
 ) -> None:
-    data = ready(cache, maker, compressions=["heavy"], camera=Camera(exposure_ev=-0.5))
+    data = ready(cache, maker, degradation=OneCamera(["heavy"]), camera=Camera(exposure_ev=-0.5))
     of_film = [data.recipes(data.people, film) for film in (1, 2)]
     lr, _ = stack(take_pictures(of_film[0], cache, Camera("heavy", -0.5), maker=maker))
     hr, _ = stack(take_pictures(of_film[1], cache, Camera("none", -0.5), maker=maker))
@@ -136,7 +135,7 @@ def test_conditions_multiply(cache: RenderCache, maker: FakeMaker) -> None:
 def test_every_compression_is_seen_without_a_further_rendering(
     cache: RenderCache, maker: FakeMaker
 ) -> None:
-    inputs, _ = everything(ready(cache, maker, compressions=["none", "small", "heavy"]))
+    inputs, _ = everything(ready(cache, maker, degradation=OneCamera(["none", "small", "heavy"])))
     assert len(inputs) == 3 * 6 * 9
     assert len(maker.renders) == 2 * (6 + 1)
 
@@ -242,13 +241,11 @@ def test_lightning_trains_on_it(cache: RenderCache, maker: FakeMaker, tmp_path: 
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"scale": 3}, "data.scale=3: wanted 2 or 4"),
+        ({"scale": 5}, "data.scale=5: wanted 2, 3 or 4"),
         ({"people": []}, "identities.count=0: wanted somebody"),
         ({"views": 2}, "data.views=2: wanted 1 to 1"),
         ({"views": 0}, "data.views=0: wanted 1 to 1"),
         ({"films": [[1, 4]]}, r"data.films=\[\(1, 4\)\]: wanted films that differ by the factor 2"),
-        ({"compressions": []}, r"data.compressions=\[\]: wanted at least one"),
-        ({"compressions": ["much"]}, "compression=much: wanted one of none"),
         ({"ipd_px": []}, r"data.poses, lightings, ipd_px=\[\]: wanted at least one"),
         ({"batch_size": 0}, "data.batch_size=0: wanted a number >= 1"),
     ],
@@ -305,3 +302,76 @@ def test_inputs_and_targets_of_measured_filters_come_from_bands(
         (2, 35),
     }
     assert all(bool(torch.isfinite(patches).all()) for patches in everything(data))
+
+
+def random_cameras() -> Any:
+    return preset("degradation", "random_cameras")
+
+
+def test_what_is_drawn_needs_the_fine_film_only_and_is_new_in_every_epoch(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    data = ready(cache, maker, degradation=random_cameras())
+    assert {recipe.film.scale for recipe in maker.renders} == {2}
+    first, again, other = data.cut(0), data.cut(0), data.cut(1)
+    assert [len(patches) for patches in first] == [54, 54]
+    assert torch.equal(first[0], again[0])
+    assert not torch.equal(first[0], other[0])
+    loader: Any = data.train_dataloader()
+    loader.sampler.set_epoch(1)
+    shown = torch.cat([inputs for inputs, _ in loader])
+    assert sorted(shown.sum((1, 2, 3)).tolist()) == sorted(other[0].sum((1, 2, 3)).tolist())
+
+
+def test_validation_pictures_are_degraded_once_for_all_epochs(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    judged = [
+        [small for small, _ in ready(cache, maker, degradation=random_cameras()).val_dataloader()]
+        for _ in range(2)
+    ]
+    assert all(map(torch.equal, *judged))
+
+
+def test_a_clean_film_is_that_of_a_camera_without_flaws(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    flawed = Camera("heavy", sensor=Sensor(200.0))
+    plain = ready(cache, maker)
+    clean = ready(cache, maker, camera=flawed, degradation=Clean())
+    assert all(map(torch.equal, clean.cut(0), plain.cut(0)))
+
+
+def test_a_camera_that_nothing_reads_is_told(cache: RenderCache, maker: FakeMaker) -> None:
+    assert module(cache, maker).unread == {}
+    assert set(module(cache, maker, degradation=Clean()).unread) == {"camera"}
+
+
+@pytest.mark.parametrize("scale", [2, 3, 4])
+def test_targets_of_every_scale_show_the_place_of_the_input(
+    scale: int, cache: RenderCache, maker: FakeMaker
+) -> None:
+    ((small, true, _),) = module(cache, maker, scale=scale).pairs(None)
+    assert true.shape[-1] == scale * small.shape[-1]
+
+
+def test_the_card_says_how_the_small_pictures_are_made(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    assert "no down-sampling" in module(cache, maker).lr_made_by
+    assert "drawn at random" in module(cache, maker, degradation=random_cameras()).lr_made_by
+
+
+def test_what_is_validated_on_is_told_apart(cache: RenderCache, maker: FakeMaker) -> None:
+    few, many = (module(cache, maker, count=count).about() for count in (2, 6))
+    assert few["validation_renderings"] == many["validation_renderings"]
+    assert few["renderings"] != many["renderings"]
+
+
+@pytest.mark.parametrize("name", ["camera", "random_cameras"])
+def test_landmarks_go_with_their_pictures(name: str, cache: RenderCache, maker: FakeMaker) -> None:
+    data = module(cache, maker, degradation=preset("degradation", name))
+    points = torch.cat([landmarks for _, _, landmarks in data.pairs(0)])
+    recipes = data.recipes(data.people, 2)
+    taken = take_pictures(recipes, cache, Camera(), maker=maker)
+    assert torch.equal(points, stack(taken)[1])

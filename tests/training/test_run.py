@@ -13,7 +13,15 @@ import numpy as np
 import onnxruntime
 import pytest
 import torch
-from fakes.lessons import PaintedFaces, SyntheticPairs, make_arcface, make_edsr, make_srcnn, quiet
+from fakes.lessons import (
+    PaintedFaces,
+    RedrawnPairs,
+    SyntheticPairs,
+    make_arcface,
+    make_edsr,
+    make_srcnn,
+    quiet,
+)
 from lightning.pytorch import LightningDataModule
 from lightning.pytorch.loggers import CSVLogger
 from skimage.metrics import peak_signal_noise_ratio
@@ -169,8 +177,8 @@ class PowerCutError(Exception):
 @without_export
 @pytest.mark.parametrize(
     ("make", "lessons"),
-    [(make_srcnn, SyntheticPairs), (make_arcface, PaintedFaces)],
-    ids=["srcnn", "arcface"],
+    [(make_srcnn, SyntheticPairs), (make_srcnn, RedrawnPairs), (make_arcface, PaintedFaces)],
+    ids=["srcnn", "srcnn, redrawn in every epoch", "arcface"],
 )
 def test_resumed_run_ends_where_the_uninterrupted_one_does(
     make: Callable[[], Learner], lessons: type[LightningDataModule], tmp_path: Path

@@ -30,7 +30,7 @@ class Background:
     share: float = 0.0
 
     def __post_init__(self) -> None:
-        check_ranges(self, "module.degradation.background", {"share": SHARE})
+        check_ranges(self, "degradation.background", {"share": SHARE})
 
     def __call__(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
         """Put aligned faces before a random texture.

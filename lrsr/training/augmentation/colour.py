@@ -45,7 +45,7 @@ class Colour:
     def __post_init__(self) -> None:
         widths = dict.fromkeys(("gain", "tint", "contrast", "gamma", "saturation"), (0.0, 1.0))
         limits = {**widths, "hue_deg": (0.0, 180.0), "grey_share": SHARE}
-        check_ranges(self, "module.degradation.colour", limits)
+        check_ranges(self, "degradation.colour", limits)
 
     def __call__(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
         """Recolour faces.

@@ -45,7 +45,7 @@ class Misalignment:
 
     def __post_init__(self) -> None:
         most = dict.fromkeys(("error", "nose_up", "jitter"), (0.0, 0.5))
-        check_ranges(self, "module.degradation.misalignment", {"share": SHARE, **most})
+        check_ranges(self, "degradation.misalignment", {"share": SHARE, **most})
 
     def matrices(self, count: int, ipd_px: float, rng: np.random.Generator) -> NDArray[np.float64]:
         """Draw how faces are moved from where true landmarks would put them.

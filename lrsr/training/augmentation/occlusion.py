@@ -40,7 +40,7 @@ class Occlusion:
 
     def __post_init__(self) -> None:
         limits = {"share": SHARE, "area": (0.0, 0.5), "band_share": SHARE}
-        check_ranges(self, "module.degradation.occlusion", limits, spans=["area"])
+        check_ranges(self, "degradation.occlusion", limits, spans=["area"])
 
     def __call__(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
         """Hide parts of aligned faces.
