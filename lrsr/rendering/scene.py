@@ -16,7 +16,7 @@ from lrsr.rendering.pose import FRONTAL, Pose
 from lrsr.rendering.skin import REFLECTIVE, Skin
 from lrsr.rendering.standpoint import LEVEL, Standpoint
 
-_SCALES = (1, 2, 4)
+_SCALES = (1, 2, 3, 4)
 
 _LEAST_SAMPLES = 64
 """Samples a pixel of a large face, unless it is told to take fewer."""
@@ -60,7 +60,7 @@ class Film:
 
     Attributes:
         ipd_px: Interpupillary distance of the frontal face on the ×1 film, px, > 0 and < 2000.
-        scale: How many times finer than the ×1 film: 1, 2 or 4.
+        scale: How many times finer than the ×1 film: 1, 2, 3 or 4.
         bands: Spectral bands, 7 to 350; 0: three colours. See :mod:`lrsr.spectra`.
 
     Raises:

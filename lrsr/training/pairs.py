@@ -39,7 +39,7 @@ class Pairs(Rendered):
     taken without the camera's flaws, with its exposure.
 
     Attributes:
-        scale: 2 or 4, how many times larger the target is.
+        scale: 2, 3 or 4, how many times larger the target is.
         poses: How heads may be held.
         lightings: What light may reach them.
         ipd_px: Interpupillary distances of the ×1 film, px.
@@ -81,7 +81,7 @@ class Pairs(Rendered):
     def _check(self) -> None:
         count = len(self.conditions)
         require(count > 0, "data.poses, lightings, ipd_px", [], "at least one of each")
-        require(self.scale in (2, 4), "data.scale", self.scale, "2 or 4")
+        require(self.scale in (2, 3, 4), "data.scale", self.scale, "2, 3 or 4")
         wish = f"1 to {count}, the number of poses x lightings x distances"
         require(1 <= self.views <= count, "data.views", self.views, wish)
         fit = all(hr == lr * self.scale for lr, hr in self.steps)
@@ -122,14 +122,15 @@ class Pairs(Rendered):
         """
         if hasattr(self, "train_patches"):
             return
-        cut = [self.patches.cut(*pair) for pair in self._batches(self.people)]
-        inputs, targets = zip(*cut, strict=True)
-        self.train_patches = TensorDataset(torch.cat(inputs), torch.cat(targets))
+        cut = [self.patches.cut(*batch) for batch in self._batches(self.people)]
+        self.train_patches = TensorDataset(*map(torch.cat, zip(*cut, strict=True)))
         whole = self._batches(self.validation_people)
-        self.validation_pairs: Any = [one for pair in whole for one in zip(*pair, strict=True)]
+        self.validation_pairs: Any = [
+            one for batch in whole for one in zip(*batch[:2], strict=True)
+        ]
 
-    def _batches(self, people: Sequence[Person]) -> Iterator[Pair]:
-        """Yield small and true srgb pictures, each batch of one size."""
+    def _batches(self, people: Sequence[Person]) -> Iterator[tuple[torch.Tensor, ...]]:
+        """Yield small and true srgb pictures, each batch of one size, and the true landmarks."""
         for camera, (lr_film, hr_film) in product(self.cameras, self.steps):
             both = zip(self.recipes(people, lr_film), self.recipes(people, hr_film), strict=True)
             alike: dict[float, list[tuple[Recipe, Recipe]]] = {}
@@ -138,10 +139,8 @@ class Pairs(Rendered):
             for members in alike.values():
                 for start in range(0, len(members), CHUNK):
                     small, true = zip(*members[start : start + CHUNK], strict=True)
-                    yield (
-                        stack(list(self.taken(small, camera)))[0],
-                        stack(list(self.taken(true, self.clean)))[0],
-                    )
+                    inputs, _ = stack(list(self.taken(small, camera)))
+                    yield inputs, *stack(list(self.taken(true, self.clean)))
 
     def train_dataloader(self) -> DataLoader[tuple[torch.Tensor, ...]]:
         """Return batches of what the network takes and should return, in the epoch's order."""

@@ -242,7 +242,7 @@ def test_lightning_trains_on_it(cache: RenderCache, maker: FakeMaker, tmp_path: 
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"scale": 3}, "data.scale=3: wanted 2 or 4"),
+        ({"scale": 5}, "data.scale=5: wanted 2, 3 or 4"),
         ({"people": []}, "identities.count=0: wanted somebody"),
         ({"views": 2}, "data.views=2: wanted 1 to 1"),
         ({"views": 0}, "data.views=0: wanted 1 to 1"),
