@@ -10,6 +10,7 @@ from lightning.pytorch import LightningDataModule, Trainer
 from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.images import resize_bicubic
+from lrsr.recognition.alignment import TEMPLATE_PX
 from lrsr.training.augmentation.background import Background
 from lrsr.training.augmentation.blur import Blur
 from lrsr.training.augmentation.colour import Colour
@@ -18,8 +19,10 @@ from lrsr.training.augmentation.occlusion import Occlusion
 from lrsr.training.degradation import Degradation
 from lrsr.training.faces import _draw_views
 from lrsr.training.identification import Identification
+from lrsr.training.losses.adversarial import AdversarialLoss
+from lrsr.training.losses.identity import IdentityLoss
 from lrsr.training.order import EpochOrder
-from lrsr.training.patches import LuminancePatches, Pair, Patches
+from lrsr.training.patches import FacePatches, LuminancePatches, Pair, Patches
 from lrsr.training.restoration import Restoration
 
 cosine = partial(torch.optim.lr_scheduler.CosineAnnealingLR)
@@ -40,7 +43,7 @@ def draw_pictures(count: int, size: int, seed: int) -> torch.Tensor:
 
 
 class SyntheticPairs(LightningDataModule):
-    """Pictures, shrunk to half, and as they were."""
+    """Pictures, shrunk to half, and as they were, as if each were a face of 18 px."""
 
     def __init__(
         self, *, batch_size: int = 16, count: int = 4, patches: Patches | None = None
@@ -48,7 +51,8 @@ class SyntheticPairs(LightningDataModule):
         super().__init__()
         self.batch_size = batch_size
         cut = (patches or LuminancePatches()).cut
-        self.train_pairs = cut(*self._pairs(count, 62, seed=1))
+        landmarks_px = torch.from_numpy(TEMPLATE_PX).float().mul(0.5).expand(count, 5, 2)
+        self.train_pairs = cut(*self._pairs(count, 62, seed=1), landmarks_px)
         self.val_pairs = self._pairs(2, 48, seed=2)
 
     @staticmethod
@@ -64,6 +68,13 @@ class SyntheticPairs(LightningDataModule):
 
     def val_dataloader(self) -> DataLoader[Any]:
         return DataLoader(TensorDataset(*self.val_pairs), batch_size=1)
+
+
+class FaceLessons(SyntheticPairs):
+    """The same, each whole, with landmarks."""
+
+    def __init__(self) -> None:
+        super().__init__(batch_size=2, patches=FacePatches(28))
 
 
 class PaintedFaces(LightningDataModule):
@@ -110,6 +121,16 @@ def make_edsr(**settings: Any) -> Restoration:
         scheduler=cosine,
         **settings,
     )
+
+
+def make_told() -> Restoration:
+    """A network that is told more than its pixels, by one that learns and one that does not."""
+    adam = partial(torch.optim.Adam, lr=1e-3)
+    told = {
+        "identity": IdentityLoss(weight=0.1),
+        "adversarial": AdversarialLoss(weight=0.01, optimizer=adam, features=4),
+    }
+    return make_edsr(turned=True, losses=told)
 
 
 def everything() -> Degradation:

@@ -3,9 +3,14 @@
 import pytest
 import torch
 
-from lrsr.errors import ImageContractError
+from lrsr.errors import ImageContractError, InputError
 from lrsr.images import luminance, resize_bicubic
-from lrsr.training.patches import LuminancePatches, RgbPatches
+from lrsr.training.patches import (
+    FacePatches,
+    LuminancePatches,
+    RgbPatches,
+    SmallLuminancePatches,
+)
 
 
 def noise(*shape: int) -> torch.Tensor:
@@ -103,3 +108,60 @@ def test_the_smallest_picture_holds_one_patch(scale: int, least: int) -> None:
     patches = LuminancePatches()
     assert patches.least_px(scale) == least
     assert len(patches.cut(*pair(least, least, scale))[0]) == 2
+
+
+def test_small_luminance_is_that_of_the_colours() -> None:
+    small, true = pair(20, 12, 3)
+    colours = RgbPatches(8, 4).cut(small, true)
+    for found, wanted in zip(SmallLuminancePatches(8, 4).cut(small, true), colours, strict=True):
+        assert torch.equal(found, luminance(wanted))
+
+
+def landmarks_at(*middles: tuple[float, float]) -> torch.Tensor:
+    spread = torch.tensor([[-4.0, -3.0], [4.0, -3.0], [0.0, 0.0], [-3.0, 3.0], [3.0, 3.0]])
+    return torch.tensor(middles)[:, None] + spread
+
+
+def test_a_face_is_cut_about_its_landmarks_which_move_along() -> None:
+    small, true = noise(2, 3, 20, 24), noise(2, 3, 40, 48).flip(-1)
+    marks = landmarks_at((24.5, 18.5), (30.5, 20.5))  # in the small one: (12, 9) and (15, 10)
+    inputs, targets, landmarks_px = FacePatches(9).cut(small, true, marks)
+    assert torch.equal(inputs[0], small[0, :, 5:14, 8:17])
+    assert torch.equal(targets[0], true[0, :, 10:28, 16:34])
+    assert torch.equal(inputs[1], small[1, :, 6:15, 11:20])
+    assert torch.equal(landmarks_px[1], marks[1] - torch.tensor([22.0, 12.0]))
+
+
+@pytest.mark.parametrize("scale", [2, 3, 4])
+def test_a_face_at_the_border_is_cut_inside(scale: int) -> None:
+    small, true = noise(2, 3, 12, 10), noise(2, 3, 12 * scale, 10 * scale)
+    marks = landmarks_at((0.0, 0.0), (10.0 * scale, 12.0 * scale))
+    inputs, targets, landmarks_px = FacePatches(8).cut(small, true, marks)
+    assert torch.equal(inputs[0], small[0, :, :8, :8])
+    assert torch.equal(inputs[1], small[1, :, 4:, 2:])
+    assert torch.equal(targets[1], true[1, :, 4 * scale :, 2 * scale :])
+    assert torch.equal(landmarks_px[0], marks[0])
+
+
+@pytest.mark.parametrize("marks", [None, torch.full((1, 5, 2), torch.nan)], ids=["none", "nan"])
+def test_a_face_without_landmarks_is_refused(marks: torch.Tensor | None) -> None:
+    with pytest.raises(InputError, match=r"a picture has none; give patches=rgb, or pictures with"):
+        FacePatches(8).cut(noise(1, 3, 12, 10), noise(1, 3, 24, 20), marks)
+
+
+def test_a_picture_smaller_than_its_face_is_refused() -> None:
+    assert FacePatches(16).least_px(4) == 16
+    with pytest.raises(ImageContractError, match="wanted at least 16x16"):
+        FacePatches(16).cut(noise(1, 3, 12, 18), noise(1, 3, 24, 36), landmarks_at((9.0, 9.0)))
+
+
+@pytest.mark.parametrize("kind", [FacePatches, RgbPatches, SmallLuminancePatches])
+@pytest.mark.parametrize("side", [1.5, "wide", None])
+def test_a_side_that_is_no_number_of_pixels_is_refused(kind: type, side: object) -> None:
+    with pytest.raises(InputError, match=r"data.patches.patch_px=.*: wanted a whole number"):
+        kind(patch_px=side)
+
+
+def test_a_face_of_no_pixels_is_refused() -> None:
+    with pytest.raises(InputError, match=r"patches\.patch_px=0: wanted at least 1"):
+        FacePatches(0)
