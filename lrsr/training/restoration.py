@@ -80,6 +80,7 @@ class Restoration(Learner):
                 raise InputError(f"module.{name}={value}: wanted one of {', '.join(known)}")
         self.distance, self.turned = _LOSSES[loss], as_flag(turned, "module.turned")
         self.losses = torch.nn.ModuleDict(as_mapping(losses, "module.losses"))
+        self.weights = {name: term.weight for name, term in losses.items()}
         self.slower = {part: as_number(s, f"module.slower.{part}") for part, s in slower.items()}
         self.seed = as_whole(seed, "module.seed")
         with torch.random.fork_rng(devices=[]):
@@ -116,7 +117,9 @@ class Restoration(Learner):
             }
         for name, value in {"pixel": total, **found}.items():
             self.log(f"train/{name}", value, on_step=False, on_epoch=True, batch_size=len(inputs))
-        return total + sum(self.losses[name].weight * value for name, value in found.items())
+        for name, value in found.items():
+            total = total + self.weights[name] * value
+        return total
 
     def _turn(self, images: torch.Tensor, *, back: bool = False) -> torch.Tensor:
         """Turn by quarters and mirror as the step says, or take it back."""

@@ -37,12 +37,10 @@ COMMANDS = {
     "fit-camera": ["images=."],
     "models": ["action=verify"],
     "train-srcnn": ["train=srcnn4x"],
-    "train-edsr": ["train=edsr2x", "module.arguments.blocks=1", "module.arguments.features=8"],
-    "train-losses": [
-        *("train=sparnet2x", "loss=[identity,adversarial]", "module.arguments.blocks=1"),
-        *("module.arguments.features=8", "module.arguments.large_features=4"),
+    "train-edsr": [
+        *("train=edsr2x", "loss=[identity,adversarial]"),
+        *("module.arguments.blocks=1", "module.arguments.features=8"),
     ],
-    "train-fsrcnn": ["train=fsrcnn2x"],
     "train-arcface": ["train=arcface"],
 }
 SHARED = {"identities", "rendering", "lens", "standpoint", "paths", "seed"}

@@ -16,7 +16,7 @@ class Network(nn.Module):
         input: "luminance": (B, 1, H, W), studio BT.601 / 255; "rgb": (B, 3, H, W) srgb, [0, 1].
         in_use: Arguments that overrule the card's after training. In use a network must return
             the whole picture: ``scale`` times as large if it enlarges, else as large as its input.
-        enlarges: Does it take the small picture, or one that was enlarged bicubically?
+        enlarges: Does it take the small picture? Else one that was enlarged bicubically.
     """
 
     input: ClassVar[Literal["luminance", "rgb"]]

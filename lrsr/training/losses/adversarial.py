@@ -52,7 +52,7 @@ class AdversarialLoss(Term):
         """Let the discriminator learn, then return how well it tells; see the base."""
         loss = _relativistic(self.discriminator(targets), self.discriminator(restored.detach()))
         self.optimizer.zero_grad()
-        loss.backward()
+        loss.backward()  # type: ignore[no-untyped-call]
         self.optimizer.step()
         self.discriminator.requires_grad_(False)
         judged = _relativistic(self.discriminator(restored), self.discriminator(targets))

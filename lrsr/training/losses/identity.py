@@ -1,12 +1,14 @@
 """Does the restored face still show the same person? As a recogniser sees it, with a gradient."""
 
+from typing import cast
+
 import torch
 from torch.nn import functional as F
 
 from lrsr.configuration import as_word
 from lrsr.errors import InputError
 from lrsr.paths import asset
-from lrsr.recognition.alignment import align
+from lrsr.recognition.alignment import Template, align
 from lrsr.recognition.contract import read_contract
 from lrsr.recognition.registry import model_file
 from lrsr.training.losses.onnx_network import OnnxNetwork
@@ -64,7 +66,7 @@ class IdentityLoss(Term):
             srgb,
             landmarks_px,
             antialias=told.antialias,
-            template=told.template,
+            template=cast("Template", told.template),
             size_px=(told.height_px, told.width_px),
         )
         return self._network(told.prepare(crops), told.name)

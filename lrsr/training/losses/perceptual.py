@@ -95,11 +95,11 @@ def _read(path: Path) -> Mapping[str, Any]:
     """
     try:
         if path.suffix == ".safetensors":
-            return load_file(path)
+            return dict(load_file(path))
         state: Any = torch.load(path, map_location="cpu", weights_only=True)
     except Exception as error:  # broken bytes make the unpickler raise nearly anything
         reason = " ".join(str(error).split())[:160]
         raise InputError(f"{path}: no weights of torchvision ({reason}); get it again") from error
     if not isinstance(state, dict):
         raise InputError(f"{path}: no weights of torchvision; get it again")
-    return state
+    return dict(state)
