@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _COMMANDS = {
     "demo": "the whole story in minutes, into one report.html",
     "render": "probes, references and gallery into a folder",
-    "train": "sr=srcnn2x|srcnn4x|edsr2x|edsr4x or recognition=arcface|mixed_resolution",
+    "train": "sr=srcnn4x|fsrcnn4x|edsr4x|imdn4x|sparnet4x (or 2x), recognition=arcface",
     "eval": "an experiment: results.json, report.html",
     "score": "anybody's scores in files: the same tables, likelihood ratios, pages",
     "upscale": "any picture by any upscaler: lrsr upscale FILE|FOLDER... out=DIR sr=srcnn2",

@@ -280,8 +280,8 @@ def run_train(config: "DictConfig") -> Path:
 
     if config.get("module") is None:
         raise InputError(
-            "what to train? give one of sr=srcnn2x, sr=srcnn4x, sr=edsr2x, sr=edsr4x,"
-            " recognition=arcface, recognition=mixed_resolution"
+            "what to train? give one of sr=srcnn4x, sr=fsrcnn4x, sr=edsr4x, sr=imdn4x,"
+            " sr=sparnet4x, each for 2x, too, recognition=arcface, recognition=mixed_resolution"
         )
     from lrsr.training.learner import Learner  # Lightning takes seconds
     from lrsr.training.lessons import read_lessons

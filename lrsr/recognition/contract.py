@@ -31,6 +31,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
 
 from lrsr.errors import InputError
 from lrsr.onnx import PerChannel, contract_path, declared_text, read_declared
@@ -74,6 +75,18 @@ class Contract:
         if self.layout == "NCHW":
             return (3, self.height_px, self.width_px)
         return (self.height_px, self.width_px, 3)
+
+    def prepare(self, crops: torch.Tensor) -> torch.Tensor:
+        """Turn srgb ``(B, 3, h, w)``, [0, 1], into what the model takes."""
+        values = crops * 255
+        if self.channels == "BGR":
+            values = values.flip(1)
+        mean, scale = (
+            torch.as_tensor(each, dtype=crops.dtype, device=crops.device).view(-1, 1, 1)
+            for each in (self.mean, self.scale)
+        )
+        values = (values - mean) / scale
+        return values.permute(0, 2, 3, 1) if self.layout == "NHWC" else values
 
 
 def read_contract(model: Path) -> Contract:

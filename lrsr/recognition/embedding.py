@@ -63,17 +63,7 @@ class Embedder:
 
     def _normalise(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Turn srgb [0, 1] into what the contract declares."""
-        values = crops.numpy(force=True) * np.float32(255)
-        if self.contract.channels == "BGR":
-            values = values[:, ::-1]
-        mean, scale = (
-            np.asarray(each, dtype=np.float32).reshape(1, -1, 1, 1)
-            for each in (self.contract.mean, self.contract.scale)
-        )
-        values = (values - mean) / scale
-        if self.contract.layout == "NHWC":
-            values = values.transpose(0, 2, 3, 1)
-        return np.ascontiguousarray(values, dtype=np.float32)
+        return np.ascontiguousarray(self.contract.prepare(crops).numpy(force=True))
 
 
 def _unit_rows(vectors: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -20,7 +20,7 @@ class Radiance:
             top-left, its centre has the coordinate 0, so x' = s (x + 0.5) - 0.5 on a film s times
             finer.
         ipd_px: True interpupillary distance of the frontal face on the ×1 film, px.
-        scale: How many times finer than the ×1 film (1, 2 or 4).
+        scale: How many times finer than the ×1 film (1, 2, 3 or 4).
         metered: Luminance that an incident-light meter reads at the face: what an 18 % grey
             Lambertian sphere there would send to the camera on average, divided by 0.18. The camera
             multiplies by 1 / metered, so a white sphere averages 1. It depends on the

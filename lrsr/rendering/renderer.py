@@ -197,7 +197,7 @@ def render(
         standpoint: Name.
         skin: Name in ``conf/rendering/skin``.
         ipd_px: See :class:`lrsr.rendering.scene.Film`, as the next two.
-        scale: How many times finer than the ×1 film: 1, 2 or 4.
+        scale: How many times finer than the ×1 film: 1, 2, 3 or 4.
         bands: Spectral bands; 0: three colours.
         samples_per_pixel: Of the ×1 film, at this very size.
         max_depth: Longest light path.

@@ -169,7 +169,8 @@ class _OfCard(OfNetwork):
     ) -> None:
         if self._on_luminance != (card.input == "luminance"):
             raise InputError(f"{card.architecture} takes {card.input}: use the other wrapper")
-        about = {"kind": card.input, "lr_made_by": card.lr_made_by, "kernel": card.enlarged_by}
+        kernel = ENLARGED_BY if self._on_luminance else card.enlarged_by  # of the chroma, at least
+        about = {"kind": card.input, "lr_made_by": card.lr_made_by, "kernel": kernel}
         label = label or f"{card.architecture} {card.scale}"
         super().__init__(label, card.scale, device, architecture=card.architecture, **about)
         self._network, self._enlarged = network.to(self._device), bool(card.enlarged_by)

@@ -45,14 +45,12 @@ class Learner(LightningModule):
     def __init__(self, optimizer: MakeOptimizer, scheduler: MakeScheduler | None) -> None:
         super().__init__()
         self.make_optimizer, self.make_scheduler = optimizer, scheduler
-        if "lr" in optimizer.keywords:
-            as_number(optimizer.keywords["lr"], "module.optimizer.lr")
-        try:  # before anything is rendered
-            tried = optimizer([torch.nn.Parameter(torch.zeros(1))])
+        tried = try_optimizer(optimizer, "module.optimizer")  # before anything is rendered
+        try:
             if scheduler is not None:
                 scheduler(tried, **dict.fromkeys(self._lengths(), 2))
         except (TypeError, ValueError) as error:
-            raise InputError(f"module.optimizer or module.scheduler: {error}") from error
+            raise InputError(f"module.scheduler: {error}") from error
         self.history: list[dict[str, float]] = []
 
     @abstractmethod
@@ -136,6 +134,20 @@ class Learner(LightningModule):
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         """Take up the history where it stopped."""
         self.history = list(checkpoint["history"])
+
+
+def try_optimizer(make: MakeOptimizer, name: str) -> torch.optim.Optimizer:
+    """Return the optimiser of one parameter.
+
+    Raises:
+        InputError: It cannot be made with these settings, which ``name`` is what messages call.
+    """
+    if "lr" in make.keywords:
+        as_number(make.keywords["lr"], f"{name}.lr")
+    try:
+        return make([torch.nn.Parameter(torch.zeros(1))])
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: {error}") from error
 
 
 def _culprit(batch: Any) -> str:

@@ -1,4 +1,4 @@
-"""How does any super-resolution network learn? From pairs, by a pixel loss; judged in use."""
+"""How does any super-resolution network learn? From pairs, by a weighted sum; judged in use."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch.nn import functional as F
 
-from lrsr.configuration import as_flag, as_number, as_whole, as_word
+from lrsr.configuration import as_flag, as_mapping, as_number, as_whole, as_word
 from lrsr.errors import InputError, NonFiniteError
 from lrsr.evaluation.quality import psnr_y
 from lrsr.pictures.recipe import derived_seed
@@ -19,6 +19,7 @@ from lrsr.sr.upscaler import Bicubic, Luminance, Rgb
 from lrsr.sr.weights import ENLARGED_BY, Card, read_weights, write_weights
 from lrsr.training.export import export_onnx
 from lrsr.training.learner import Learner, MakeOptimizer, MakeScheduler
+from lrsr.training.losses.term import Term
 
 _LOSSES: Mapping[str, Callable[[torch.Tensor, torch.Tensor], torch.Tensor]] = {
     "mse": F.mse_loss,
@@ -30,13 +31,15 @@ Pair = tuple[torch.Tensor, torch.Tensor]
 class Restoration(Learner):
     """Any network of :mod:`lrsr.sr.networks`, validated through the upscaler that is made of it.
 
-    A training batch is what the network takes and should return, see :mod:`lrsr.training.patches`;
+    A training batch is what the network takes and should return, and landmarks where the patches
+    tell them, see :mod:`lrsr.training.patches`;
     a validation batch is srgb, ``(1, 3, H, W)`` small and ``(1, 3, scale H, scale W)`` true.
 
     Args:
         architecture: Name of the network.
         scale: How much larger the result is.
-        loss: "mse" or "l1".
+        loss: Of pixels, "mse" or "l1".
+        losses: What is added to it, by name; for networks of colours. Each is logged, not weighted.
         optimizer: See :class:`Learner`.
         scheduler: See :class:`Learner`.
         arguments: Of the network's class; they travel with the weights.
@@ -47,7 +50,8 @@ class Restoration(Learner):
         seed: Of the first weights and of the turning, any whole number.
 
     Raises:
-        InputError: There is no such network, loss or part of the network.
+        InputError: There is no such network, loss or part of the network, or it cannot be told
+            more than its pixels.
     """
 
     monitor = "val/psnr_y_db"
@@ -60,6 +64,7 @@ class Restoration(Learner):
         loss: str,
         optimizer: MakeOptimizer,
         scheduler: MakeScheduler | None = None,
+        losses: Mapping[str, Term] = MappingProxyType({}),
         arguments: Mapping[str, Any] = MappingProxyType({}),
         slower: Mapping[str, float] = MappingProxyType({}),
         turned: bool = False,
@@ -74,6 +79,8 @@ class Restoration(Learner):
             if not isinstance(value, str) or value not in known:
                 raise InputError(f"module.{name}={value}: wanted one of {', '.join(known)}")
         self.distance, self.turned = _LOSSES[loss], as_flag(turned, "module.turned")
+        self.losses = torch.nn.ModuleDict(as_mapping(losses, "module.losses"))
+        self.weights = {name: term.weight for name, term in losses.items()}
         self.slower = {part: as_number(s, f"module.slower.{part}") for part, s in slower.items()}
         self.seed = as_whole(seed, "module.seed")
         with torch.random.fork_rng(devices=[]):
@@ -86,23 +93,41 @@ class Restoration(Learner):
             scale=as_whole(scale, "module.scale"),
             input=network.input,
             lr_made_by=as_word(lr_made_by, "module.lr_made_by"),
-            enlarged_by=ENLARGED_BY if network.input == "luminance" else "",
+            enlarged_by="" if network.enlarges else ENLARGED_BY,
         )
+        if losses and network.input != "rgb":
+            got = f"module.losses.{next(iter(losses))}"
+            raise InputError(f"{got}: wanted a network of colours; {architecture} has none")
         for part in slower:
             if part not in dict(network.named_children()):
                 raise InputError(f"module.slower={part}: {architecture} has no such part")
 
-    def loss(self, batch: Pair) -> torch.Tensor:
-        """Return the pixel loss of ``(B, C, h, w)`` inputs and their targets."""
-        inputs, targets = self._turn(batch) if self.turned else batch
-        restored = self.network(inputs.contiguous(memory_format=torch.channels_last))
-        return self.distance(restored.float(), targets)
+    def loss(self, batch: tuple[torch.Tensor, ...]) -> torch.Tensor:
+        """Return the pixel loss of ``(B, C, h, w)`` inputs and their targets, and what is added."""
+        inputs, targets, *landmarks_px = batch
+        shown = self._turn(inputs) if self.turned else inputs
+        restored = self.network(shown.contiguous(memory_format=torch.channels_last)).float()
+        restored = self._turn(restored, back=True) if self.turned else restored
+        total: torch.Tensor = self.distance(restored, targets)
+        if not self.losses:
+            return total
+        with torch.autocast(self.device.type, enabled=False):
+            found = {
+                name: term(restored, targets, *landmarks_px) for name, term in self.losses.items()
+            }
+        for name, value in {"pixel": total, **found}.items():
+            self.log(f"train/{name}", value, on_step=False, on_epoch=True, batch_size=len(inputs))
+        for name, value in found.items():
+            total = total + self.weights[name] * value
+        return total
 
-    def _turn(self, batch: Pair) -> Pair:
-        step = derived_seed(self.seed, "turned", self.global_step)
-        quarters, mirrored = divmod(step % 8, 2)
-        inputs, targets = (torch.rot90(x, quarters, (2, 3)) for x in batch)
-        return (inputs.flip(-1), targets.flip(-1)) if mirrored else (inputs, targets)
+    def _turn(self, images: torch.Tensor, *, back: bool = False) -> torch.Tensor:
+        """Turn by quarters and mirror as the step says, or take it back."""
+        quarters, mirrored = divmod(derived_seed(self.seed, "turned", self.global_step) % 8, 2)
+        if back:
+            return torch.rot90(images.flip(-1) if mirrored else images, -quarters, (2, 3))
+        turned = torch.rot90(images, quarters, (2, 3))
+        return turned.flip(-1) if mirrored else turned
 
     def parameter_groups(self) -> list[dict[str, Any]]:
         """Return a group for each part that learns more slowly, and one for the rest."""

@@ -40,7 +40,10 @@ COMMANDS = {
     "models": ["action=verify"],
     "upscale": ["images=[a.png]", "out=larger", "format=png", "around_px=8"],
     "train-srcnn": ["train=srcnn4x"],
-    "train-edsr": ["train=edsr2x", "module.arguments.blocks=1", "module.arguments.features=8"],
+    "train-edsr": [
+        *("train=edsr2x", "loss=[identity,adversarial]"),
+        *("module.arguments.blocks=1", "module.arguments.features=8"),
+    ],
     "train-arcface": ["train=arcface"],
     "train-mixed-resolution": ["train=mixed_resolution"],
     "train-images": ["train=srcnn2x", "data=images", "data.root=shown", "degradation=bsrgan"],

@@ -13,6 +13,7 @@ from torch.utils.data import DataLoader, TensorDataset
 from lrsr.camera import Camera
 from lrsr.images import resize_bicubic
 from lrsr.presets import preset
+from lrsr.recognition.alignment import TEMPLATE_PX
 from lrsr.training.augmentation.background import Background
 from lrsr.training.augmentation.blur import Blur
 from lrsr.training.augmentation.colour import Colour
@@ -21,8 +22,10 @@ from lrsr.training.augmentation.occlusion import Occlusion
 from lrsr.training.degradation import Degradation
 from lrsr.training.faces import _draw_views
 from lrsr.training.identification import Identification
+from lrsr.training.losses.adversarial import AdversarialLoss
+from lrsr.training.losses.identity import IdentityLoss
 from lrsr.training.order import EpochOrder
-from lrsr.training.patches import LuminancePatches, Pair, Patches
+from lrsr.training.patches import FacePatches, LuminancePatches, Pair, Patches
 from lrsr.training.patchwork import Patchwork
 from lrsr.training.restoration import Restoration
 from lrsr.training.shrinking.shrinking import Shrinking
@@ -45,7 +48,7 @@ def draw_pictures(count: int, size: int, seed: int) -> torch.Tensor:
 
 
 class SyntheticPairs(LightningDataModule):
-    """Pictures, shrunk to half, and as they were."""
+    """Pictures, shrunk to half, and as they were, as if each were a face of 18 px."""
 
     def __init__(
         self, *, batch_size: int = 16, count: int = 4, patches: Patches | None = None
@@ -53,7 +56,8 @@ class SyntheticPairs(LightningDataModule):
         super().__init__()
         self.batch_size = batch_size
         cut = (patches or LuminancePatches()).cut
-        self.train_pairs = cut(*self._pairs(count, 62, seed=1))
+        landmarks_px = torch.from_numpy(TEMPLATE_PX).float().mul(0.5).expand(count, 5, 2)
+        self.train_pairs = cut(*self._pairs(count, 62, seed=1), landmarks_px)
         self.val_pairs = self._pairs(2, 48, seed=2)
 
     @staticmethod
@@ -85,6 +89,13 @@ class RedrawnPairs(Patchwork):
     def pairs(self, epoch: int | None) -> Iterator[Pair]:
         true = draw_pictures(3, 48, seed=1).mul(255).round() / 255
         return self.degradation(true, 2, self.degradation_seeds(epoch, 0, 3), Camera())
+
+
+class FaceLessons(SyntheticPairs):
+    """The same, each whole, with landmarks."""
+
+    def __init__(self) -> None:
+        super().__init__(batch_size=2, patches=FacePatches(28))
 
 
 class PaintedFaces(LightningDataModule):
@@ -131,6 +142,16 @@ def make_edsr(**settings: Any) -> Restoration:
         scheduler=cosine,
         **settings,
     )
+
+
+def make_told() -> Restoration:
+    """A network that is told more than its pixels, by one that learns and one that does not."""
+    adam = partial(torch.optim.Adam, lr=1e-3)
+    told = {
+        "identity": IdentityLoss(weight=0.1),
+        "adversarial": AdversarialLoss(weight=0.01, optimizer=adam, features=4),
+    }
+    return make_edsr(turned=True, losses=told)
 
 
 def everything() -> Degradation:

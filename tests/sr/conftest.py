@@ -1,6 +1,7 @@
 """Weights and somebody's ONNX files, written on the spot."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,15 @@ from lrsr.onnx import contract_path, sha256_of
 from lrsr.sr.networks import NETWORKS
 from lrsr.sr.weights import ENLARGED_BY, Card, write_weights
 
+SMALL: dict[str, dict[str, object]] = {
+    "srcnn": {},
+    "fsrcnn": {"features": 4, "shrunken": 2, "maps": 1},
+    "edsr": {"blocks": 1, "features": 8},
+    "imdn": {"blocks": 1, "features": 16},
+    "sparnet": {"blocks": 1, "features": 8, "large_features": 4, "depth": 1},
+}
+"""Arguments that make a network quick."""
+
 
 @pytest.fixture(autouse=True, scope="session")
 def _one_thread() -> Iterator[None]:
@@ -26,9 +36,9 @@ def _one_thread() -> Iterator[None]:
 
 def card_of(architecture: str, times: int, **arguments: object) -> Card:
     """A card without errors."""
-    by = ENLARGED_BY if architecture == "srcnn" else ""
-    takes = NETWORKS[architecture].input
-    return Card(architecture, arguments, times, takes, lr_made_by="test", enlarged_by=by)
+    kind = NETWORKS[architecture]
+    by = "" if kind.enlarges else ENLARGED_BY
+    return Card(architecture, arguments, times, kind.input, lr_made_by="test", enlarged_by=by)
 
 
 @pytest.fixture
@@ -106,14 +116,21 @@ def somebodys(tmp_path: Path) -> Callable[..., Path]:
 
 
 @pytest.fixture
-def edsr_file(tmp_path: Path) -> Callable[..., Path]:
-    """Write a small EDSR with random weights."""
+def network_file(tmp_path: Path) -> Callable[..., Path]:
+    """Write a small network of the list with random weights."""
 
-    def write(scale: int) -> Path:
+    def write(architecture: str, scale: int, **arguments: object) -> Path:
         torch.manual_seed(scale)
-        path = tmp_path / f"edsr{scale}x.safetensors"
-        card = card_of("edsr", scale, scale=scale, blocks=1, features=8)
-        write_weights(path, NETWORKS["edsr"](**card.arguments), card)
+        path = tmp_path / f"{architecture}{scale}x.safetensors"
+        given = SMALL[architecture] | ({"scale": scale} if architecture != "srcnn" else {})
+        card = card_of(architecture, scale, **{**given, **arguments})
+        write_weights(path, NETWORKS[architecture](**card.arguments), card)
         return path
 
     return write
+
+
+@pytest.fixture
+def edsr_file(network_file: Callable[..., Path]) -> Callable[..., Path]:
+    """Write a small EDSR with random weights."""
+    return partial(network_file, "edsr")

@@ -10,6 +10,7 @@ from lrsr.sr.contract import read_contract
 from lrsr.sr.weights import ENLARGED_BY, Card
 
 SRCNN_CARD = Card("srcnn", {}, 4, "luminance", lr_made_by="rendered", enlarged_by=ENLARGED_BY)
+FSRCNN_CARD = Card("fsrcnn", {"scale": 2}, 2, "luminance", lr_made_by="rendered")
 EDSR_CARD = Card("edsr", {"scale": 2}, 2, "rgb", lr_made_by="rendered")
 
 
@@ -24,8 +25,8 @@ def test_a_contract_says_what_the_network_takes(somebodys: Callable[..., Path]) 
 
 @pytest.mark.parametrize(
     ("card", "channels", "enlarged"),
-    [(SRCNN_CARD, "Y", True), (EDSR_CARD, "RGB", False)],
-    ids=["srcnn", "edsr"],
+    [(SRCNN_CARD, "Y", True), (FSRCNN_CARD, "Y", False), (EDSR_CARD, "RGB", False)],
+    ids=["srcnn", "fsrcnn", "edsr"],
 )
 def test_a_card_in_the_file_stands_in_for_a_contract(
     somebodys: Callable[..., Path], card: Card, channels: str, enlarged: bool

@@ -19,7 +19,16 @@ from lrsr.sr.networks.srcnn import SRCNN
 from lrsr.sr.upscaler import Luminance, Repeated, Rgb
 from lrsr.sr.weights import ENLARGED_BY, Card, read_weights
 
-METHODS = ("base", "bicubic2", "bicubic4", "srcnn2", "srcnn2x2", "srcnn4")
+METHODS = ("base", "bicubic2", "bicubic3", "bicubic4", "srcnn2", "srcnn2x2", "srcnn4")
+OWN = {
+    "srcnn3": ("srcnn", "SR 3"),
+    **{f"srcnn955_{scale}": ("srcnn", f"SRCNN 9-5-5 {scale}") for scale in (2, 3, 4)},
+    **{f"fsrcnn{scale}": ("fsrcnn", f"FSRCNN {scale}") for scale in (2, 3, 4)},
+    **{f"edsr{scale}": ("edsr", f"EDSR {scale}") for scale in (2, 4)},
+    **{f"imdn{scale}": ("imdn", f"IMDN {scale}") for scale in (2, 3, 4)},
+    **{f"sparnet{scale}": ("sparnet", f"SPARNet {scale}") for scale in (2, 3, 4)},
+}
+"""Options that want weights of the user's own, their architectures and labels."""
 SRCNN_CARD = Card("srcnn", {}, 2, "luminance", lr_made_by="test", enlarged_by=ENLARGED_BY)
 EDSR_CARD = Card("edsr", {}, 2, "rgb", lr_made_by="test")
 
@@ -49,6 +58,7 @@ def faces() -> torch.Tensor:
     [
         ("base", "Base", 1),
         ("bicubic2", "Bicubic 2", 2),
+        ("bicubic3", "Bicubic 3", 3),
         ("bicubic4", "Bicubic 4", 4),
         ("srcnn2", "SR 2", 2),
         ("srcnn2x2", "SR 2x2", 4),
@@ -65,19 +75,21 @@ def test_method_has_its_label_and_scale(
 
 def test_every_option_is_tested() -> None:
     names = {path.stem for path in (config_folder() / "sr").glob("*.yaml")}
-    assert names == {*METHODS, "edsr2", "edsr4", "onnx", "foreign"}
+    assert names == {*METHODS, *OWN, "onnx", "foreign"}
 
 
-@pytest.mark.parametrize("scale", [2, 4])
-def test_edsr_is_an_option_with_weights_of_the_users_own(
-    scale: int, edsr_file: Callable[..., Path], faces: torch.Tensor
+@pytest.mark.parametrize("option", OWN)
+def test_an_option_takes_weights_of_the_users_own(
+    option: str, network_file: Callable[..., Path], faces: torch.Tensor
 ) -> None:
-    config = OmegaConf.load(config_folder() / "sr" / f"edsr{scale}.yaml")
+    (architecture, label), scale = OWN[option], int(option[-1])
+    config = OmegaConf.load(config_folder() / "sr" / f"{option}.yaml")
     assert OmegaConf.is_missing(config, "weights")
-    config.weights = str(edsr_file(scale))
+    config.weights = str(network_file(architecture, scale))
     upscaler = instantiate(config)
-    assert (upscaler.label, upscaler.scale, upscaler.learned) == (f"EDSR {scale}", scale, True)
+    assert (upscaler.label, upscaler.scale, upscaler.learned) == (label, scale, True)
     assert upscaler(faces).shape == (3, 3, 10 * scale, 8 * scale)
+    assert upscaler.describe()["architecture"] == architecture
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -107,6 +119,20 @@ def test_srcnn_restores_the_luminance_and_leaves_the_chroma_bicubic(
     torch.testing.assert_close(
         rgb_to_ycbcr(larger)[:, 1:], rgb_to_ycbcr(bicubic)[:, 1:], rtol=0, atol=2e-6
     )
+
+
+def test_a_network_of_luminance_that_enlarges_sees_the_small_picture(
+    faces: torch.Tensor, network_file: Callable[..., Path]
+) -> None:
+    path = network_file("fsrcnn", 3, initialisation="near-bicubic")
+    network, card = read_weights(path)
+    larger, bicubic = load_upscaler(path)(faces), resize_bicubic(faces, 3)
+    assert (card.input, card.enlarged_by) == ("luminance", "")
+    torch.testing.assert_close(luminance(larger), network(luminance(faces)), rtol=0, atol=2e-6)
+    torch.testing.assert_close(
+        rgb_to_ycbcr(larger)[:, 1:], rgb_to_ycbcr(bicubic)[:, 1:], rtol=0, atol=2e-6
+    )
+    assert load_upscaler(path).describe()["kernel"] == ENLARGED_BY
 
 
 def test_a_network_of_colours_sees_the_small_picture(

@@ -114,3 +114,28 @@ def test_a_folder_that_is_a_file_is_named(network: Any, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
         write(tmp_path / "file" / "model.onnx", network)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("fsrcnn", {"scale": 3, "features": 4, "shrunken": 2, "maps": 1}),
+        ("sparnet", {"scale": 3, "blocks": 1, "features": 8, "large_features": 4, "depth": 1}),
+    ],
+    ids=["fsrcnn", "sparnet"],
+)
+def test_networks_that_enlarge_agree_with_onnxruntime_at_odd_sizes(
+    name: str, arguments: dict[str, int], tmp_path: Path
+) -> None:
+    torch.manual_seed(0)
+    network = NETWORKS[name](**arguments).eval()
+    channels = 1 if network.input == "luminance" else 3
+    difference = export_onnx(
+        tmp_path / "model.onnx",
+        network,
+        shapes=[(2, channels, 24, 20), (2, channels, 13, 40), (1, channels, 1, 1)],
+        names=("small", "restored"),
+        free={0: "N", 2: "H", 3: "W"},
+        about=ABOUT,
+    )
+    assert 0 < difference <= _TOLERANCE

@@ -22,7 +22,7 @@ from lrsr.rendering.lens import PINHOLE
 from lrsr.rendering.scene import Quality
 from lrsr.rendering.standpoint import LEVEL
 from lrsr.training.pairs import Pairs
-from lrsr.training.patches import LuminancePatches, RgbPatches
+from lrsr.training.patches import FacePatches, LuminancePatches, RgbPatches
 from lrsr.training.shrinking.clean import Clean
 from lrsr.training.shrinking.one_camera import OneCamera
 
@@ -103,6 +103,17 @@ def test_colours_come_as_the_camera_stored_them(cache: RenderCache, maker: FakeM
     assert targets.shape == (6 * 9, 3, 64, 64)
     shrunken = torch.nn.functional.avg_pool2d(targets, 4)
     assert float((shrunken - inputs).square().mean()) < 1e-3
+
+
+def test_faces_come_with_where_their_landmarks_are_on_the_target(
+    cache: RenderCache, maker: FakeMaker
+) -> None:
+    data = ready(cache, maker, patches=FacePatches(32), count=2)
+    inputs, targets, landmarks_px = everything(data)
+    _, wanted = stack(take_pictures(data.recipes(data.people, 2), cache, Camera(), maker=maker))
+    assert (inputs.shape, targets.shape) == ((2, 3, 32, 32), (2, 3, 64, 64))
+    assert torch.equal(landmarks_px, wanted)
+    assert all(len(pair) == 2 for pair in data.val_dataloader())
 
 
 def test_both_films_have_the_lens_and_the_standpoint(cache: RenderCache, maker: FakeMaker) -> None:

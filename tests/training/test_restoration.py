@@ -8,7 +8,25 @@ from fakes.lessons import SyntheticPairs, make_edsr, make_srcnn
 from lightning.pytorch import Trainer
 
 from lrsr.errors import InputError, NonFiniteError
+from lrsr.training.losses.term import Term
 from lrsr.training.restoration import Restoration
+
+
+class Brightness(Term):
+    """How much brighter the restored picture is, and whether landmarks came along."""
+
+    def __init__(self, weight: float) -> None:
+        super().__init__("brightness", weight)
+        self.seen: list[torch.Tensor | None] = []
+
+    def forward(
+        self,
+        restored: torch.Tensor,
+        targets: torch.Tensor,
+        landmarks_px: torch.Tensor | None = None,
+    ) -> torch.Tensor:
+        self.seen.append(landmarks_px)
+        return restored.mean() - targets.mean()
 
 
 def make_trainer(**settings: object) -> Trainer:
@@ -93,10 +111,12 @@ def test_nan_in_validation_stops_the_run() -> None:
     ("wrong", "message"),
     [
         ({"loss": "l3"}, "module.loss=l3: wanted one of mse, l1"),
-        ({"architecture": "fsrcnn"}, "module.architecture=fsrcnn: wanted one of"),
+        ({"architecture": "swinir"}, "module.architecture=swinir: wanted one of"),
+        ({"losses": {"new": Brightness(2)}}, "module.losses.new: wanted a network of colours"),
+        ({"losses": [1]}, r"module.losses=\[1\]: wanted module.losses.SETTING"),
         ({"slower": {"tail": 0.1}}, "module.slower=tail: srcnn has no such part"),
     ],
-    ids=["loss", "network", "part"],
+    ids=["loss", "network", "luminance", "losses", "part"],
 )
 def test_an_impossible_setting_is_refused(wrong: dict[str, Any], message: str) -> None:
     settings: dict[str, Any] = {"architecture": "srcnn", "scale": 2, "loss": "mse"}
@@ -111,15 +131,41 @@ def test_the_absolute_error_is_a_choice() -> None:
     assert float(module.loss((zeros, torch.full((1, 3, 32, 32), 0.5)))) == pytest.approx(0.5)
 
 
-def test_turned_pairs_stay_pairs_and_follow_from_the_step(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_sum_is_weighted_and_each_term_is_logged_as_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    term, logged = Brightness(0.25), {}
+    monkeypatch.setattr(
+        Restoration, "log", lambda _, name, value, **__: logged.update({name: value})
+    )
+    module = make_edsr(losses={"brightness": term})
+    module.network = torch.nn.Upsample(scale_factor=2)  # type: ignore[assignment]
+    landmarks_px = torch.zeros(1, 5, 2)
+    batch = (torch.full((1, 3, 8, 8), 0.75), torch.full((1, 3, 16, 16), 0.25), landmarks_px)
+    assert float(module.loss(batch)) == pytest.approx(0.5 + 0.25 * 0.5)
+    assert logged == {"train/pixel": pytest.approx(0.5), "train/brightness": pytest.approx(0.5)}
+    module.loss(batch[:2])
+    assert [seen is landmarks_px for seen in term.seen] == [True, False]
+
+
+def test_the_network_sees_eight_views_and_is_judged_on_the_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen: list[torch.Tensor] = []
+
+    class Doubling(torch.nn.Module):
+        def forward(self, images: torch.Tensor) -> torch.Tensor:
+            seen.append(images)
+            return images.repeat_interleave(2, 2).repeat_interleave(2, 3)
+
     module = make_edsr(turned=True)
-    small = torch.rand(2, 3, 4, 4, generator=torch.Generator().manual_seed(0))
+    module.network = Doubling()  # type: ignore[assignment]
+    small = torch.rand(2, 3, 4, 6, generator=torch.Generator().manual_seed(0))
     true = small.repeat_interleave(2, 2).repeat_interleave(2, 3)
-    seen = []
     for step in range(40):
         monkeypatch.setattr(Restoration, "global_step", step)
-        turned, target = module._turn((small, true))
-        assert torch.equal(turned.repeat_interleave(2, 2).repeat_interleave(2, 3), target)
-        assert torch.equal(turned, module._turn((small, true))[0])
-        seen.append(tuple(turned.flatten().tolist()))
-    assert len(set(seen)) == 8
+        assert float(module.loss((small, true))) == 0
+        assert float(module.loss((small, true.flip(-1)))) > 0
+    views = {(tuple(one.shape), *one.flatten().tolist()) for one in seen}
+    assert len(views) == 8
+    torch.testing.assert_close(seen[0], seen[1])  # of the same step

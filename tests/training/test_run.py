@@ -14,12 +14,14 @@ import onnxruntime
 import pytest
 import torch
 from fakes.lessons import (
+    FaceLessons,
     PaintedFaces,
     RedrawnPairs,
     SyntheticPairs,
     make_arcface,
     make_edsr,
     make_srcnn,
+    make_told,
     quiet,
 )
 from lightning.pytorch import LightningDataModule
@@ -177,8 +179,13 @@ class PowerCutError(Exception):
 @without_export
 @pytest.mark.parametrize(
     ("make", "lessons"),
-    [(make_srcnn, SyntheticPairs), (make_srcnn, RedrawnPairs), (make_arcface, PaintedFaces)],
-    ids=["srcnn", "srcnn, redrawn in every epoch", "arcface"],
+    [
+        (make_srcnn, SyntheticPairs),
+        (make_srcnn, RedrawnPairs),
+        (make_told, FaceLessons),
+        (make_arcface, PaintedFaces),
+    ],
+    ids=["srcnn", "srcnn, redrawn in every epoch", "losses", "arcface"],
 )
 def test_resumed_run_ends_where_the_uninterrupted_one_does(
     make: Callable[[], Learner], lessons: type[LightningDataModule], tmp_path: Path
@@ -199,7 +206,18 @@ def test_resumed_run_ends_where_the_uninterrupted_one_does(
     assert [epoch["epoch"] for epoch in resumed.history] == [0, 1, 2]
     assert resumed.history == straight.history
     for name, value in straight.state_dict().items():
-        assert torch.equal(resumed.state_dict()[name], value), name
+        torch.testing.assert_close(resumed.state_dict()[name], value, rtol=0, atol=0, msg=name)
+
+
+@without_export
+def test_each_term_of_the_loss_has_its_figure(tmp_path: Path) -> None:
+    module, _ = run(FaceLessons(), tmp_path, module=make_told())
+    figures = module.history[0]
+    terms = figures["train/identity"], figures["train/adversarial"]
+    assert figures["train/loss"] == pytest.approx(
+        figures["train/pixel"] + 0.1 * terms[0] + 0.01 * terms[1], rel=1e-4
+    )
+    assert 0 < terms[0] < 2
 
 
 FAKE = "import sys; from fakes.lessons import train_fake; train_fake(*sys.argv[1:3], 4)"

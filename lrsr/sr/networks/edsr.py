@@ -5,7 +5,6 @@ Lim et al., "Enhanced Deep Residual Networks for Single Image Super-Resolution" 
 sub-pixel convolutions (two of 2x for 4x), and the mean colour of DIV2K taken away and given back.
 """
 
-from itertools import product
 from typing import Literal, get_args
 
 import torch
@@ -14,14 +13,10 @@ from torch.nn import functional as F
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
+from lrsr.sr.networks.near_bicubic import let_colours_grow, let_colours_pass, quieten
 from lrsr.sr.networks.network import Network, check_choice
 
 _MEAN_SRGB = (0.4488, 0.4371, 0.4040)
-
-#: Bicubic 2x, a = -0.5, a quarter of a pixel to the left: Keys at 0.75, 0.25 and 1.25; the tap at
-#: 1.75 (-0.0234), which three pixels cannot hold, is given to the first.
-_QUARTER = (0.203125, 0.8671875, -0.0703125)
-_SMALL = 0.01
 
 _Initialisation = Literal["default", "near-bicubic"]
 
@@ -84,20 +79,13 @@ class EDSR(Network):
         larger: torch.Tensor = self.tail(features) + mean
         return larger
 
-    @torch.no_grad()
     def _begin_near_bicubic(self) -> None:
         """Let features 0 to 2 be red, green and blue all the way through the skip."""
-        left = torch.tensor(_QUARTER)
-        sides = (left, left.flip(0))
-        middle = torch.outer(*2 * [torch.tensor([0.0, 1.0, 0.0])])
-        for parameter in self.after.parameters():
-            parameter.mul_(_SMALL)
-        for colour in range(3):
-            _let_through(self.head, colour, colour, middle)
-            _let_through(self.tail, colour, colour, middle)
-            for step in self.enlarge:
-                for place, (down, right) in enumerate(product(sides, sides)):
-                    _let_through(step, colour, 4 * colour + place, torch.outer(down, right))
+        quieten(self.after)
+        let_colours_pass(self.head)
+        for step in self.enlarge:
+            let_colours_grow(step, 2)
+        let_colours_pass(self.tail)
 
 
 class _Block(nn.Module):
@@ -115,12 +103,3 @@ class _Block(nn.Module):
 
 def _conv(inputs: int, outputs: int) -> nn.Conv2d:
     return nn.Conv2d(inputs, outputs, 3, padding=1)
-
-
-def _let_through(layer: nn.Module, source: int, target: int, kernel: torch.Tensor) -> None:
-    """Let channel ``target`` be ``source`` through a (3, 3) kernel, and little of the others."""
-    weight, bias = layer.get_parameter("weight"), layer.get_parameter("bias")
-    weight[target].mul_(_SMALL)
-    weight[target, :3] = 0.0
-    weight[target, source] = kernel
-    bias[target] = 0.0

@@ -15,11 +15,12 @@ class Network(nn.Module):
     Attributes:
         input: "luminance": (B, 1, H, W), studio BT.601 / 255; "rgb": (B, 3, H, W) srgb, [0, 1].
         in_use: Arguments that overrule the card's after training. In use a network must return
-            the whole picture: as large as its input if that was enlarged before, else
-            ``scale`` times as large.
+            the whole picture: ``scale`` times as large if it enlarges, else as large as its input.
+        enlarges: Does it take the small picture? Else one that was enlarged bicubically.
     """
 
     input: ClassVar[Literal["luminance", "rgb"]]
+    enlarges: ClassVar[bool] = True
     in_use: ClassVar[Mapping[str, object]] = MappingProxyType({})
 
     @property
@@ -46,3 +47,13 @@ def check_choice(name: str, value: object, choices: Sequence[str]) -> None:
     """
     known = isinstance(value, str) and value in choices
     require(known, f"module.arguments.{name}", value, f"one of {', '.join(choices)}")
+
+
+def check_whole(name: str, value: object, least: int, most: int) -> None:
+    """Refuse what is no whole number of the range of an argument.
+
+    Raises:
+        InputError: It is none.
+    """
+    holds = type(value) is int and least <= value <= most
+    require(holds, f"module.arguments.{name}", value, f"a whole number, {least} to {most}")
