@@ -44,6 +44,8 @@ class IMDN(Network):
     """
 
     input = "rgb"
+    reach_px = None
+    """None: the contrast of the whole picture weighs the channels everywhere."""
 
     def __init__(
         self,

@@ -42,6 +42,8 @@ class SPARNet(Network):
     """
 
     input = "rgb"
+    reach_px = None
+    """None: an hourglass sees most of a face, on a grid that begins at the picture's corner."""
 
     def __init__(
         self,
