@@ -27,7 +27,6 @@ _RECORDED = (
     "scikit-learn",
     "scipy",
     "torch",
-    "torchvision",
 )
 """Distributions whose version can change a number."""
 
