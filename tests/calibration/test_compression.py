@@ -7,7 +7,7 @@ from lrsr.calibration.compression import _estimate_chroma, estimate_compression
 from lrsr.camera.codec import jpeg
 from lrsr.errors import ImageContractError, InputError
 
-COUNT = 12
+COUNT = 8
 PLACES = tuple(((5 * k + 3) % 16, (7 * k) % 16) for k in range(COUNT))
 
 

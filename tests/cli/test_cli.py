@@ -23,14 +23,14 @@ def test_no_word_at_all_is_help(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("command", ["demo", "render", "train", "eval", "identities", "fit-camera"])
 def test_cfg_job_prints_the_configuration_from_an_empty_folder(
-    command: str, tmp_path: Path
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "lrsr", command, "--cfg", "job"],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert "identities:" in done.stdout
+    monkeypatch.chdir(tmp_path)
+    assert main([command, "--cfg", "job"]) == 0
+    assert "identities:" in capsys.readouterr().out
     assert list(tmp_path.iterdir()) == []
 
 

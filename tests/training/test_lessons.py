@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hydra import compose, initialize_config_dir
+from fakes import configurations
 from lightning.pytorch.loggers import CSVLogger
 from omegaconf import DictConfig
 
@@ -22,9 +22,8 @@ NAMES = ("srcnn2x", "srcnn4x", "edsr2x", "edsr4x", "arcface")
 
 
 def composed(name: str, *overrides: str) -> DictConfig:
-    with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        words = [f"train={name}", "identities.count=4", "paths.run=x", *overrides]
-        return compose("train", overrides=words, return_hydra_config=False)
+    words = [f"train={name}", "identities.count=4", "paths.run=x", *overrides]
+    return configurations.composed("train", *words)
 
 
 def lessons(name: str, folder: Path, *overrides: str) -> Any:
