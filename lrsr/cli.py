@@ -171,11 +171,11 @@ def _mode_of_the_line(args: Any) -> Iterator[None]:
 
     asks = Hydra.get_mode
     if not (args.config_path or args.config_dir or "hydra." in " ".join(args.overrides)):
-        Hydra.get_mode = lambda *_, **__: None  # what it is in conf/
+        Hydra.get_mode = lambda *_, **__: None  # type: ignore[method-assign]  # as in conf/
     try:
         yield
     finally:
-        Hydra.get_mode = asks
+        Hydra.get_mode = asks  # type: ignore[method-assign]
 
 
 def _refuse_option(message: str) -> Never:

@@ -225,6 +225,7 @@ def wait_for_epochs(process: subprocess.Popen[bytes], folder: Path, count: int) 
         time.sleep(0.01)
 
 
+@without_export
 @pytest.mark.parametrize("network", ["srcnn", "arcface"])
 def test_four_epochs_killed_after_two_end_with_the_same_weights(
     network: str, tmp_path: Path
@@ -246,26 +247,27 @@ def test_four_epochs_killed_after_two_end_with_the_same_weights(
     assert all(torch.equal(one["state_dict"][name], t) for name, t in other["state_dict"].items())
 
 
+@without_export
 def test_of_two_commands_in_one_folder_the_later_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(lessons, "read_lessons", lessons.read_lessons)  # to be as it was again
     folder = tmp_path / "run"
-    with begin(COMMAND, folder, 40) as first:
+    with begin(COMMAND, folder, 12) as first:
         wait_for_epochs(first, folder, 1)
         first.send_signal(signal.SIGSTOP)  # it works in the folder, however fast it is
-        assert train_by_command(str(folder), 40) == 2
+        assert train_by_command(str(folder), 12) == 2
         told = capsys.readouterr()
         first.send_signal(signal.SIGCONT)
         assert told.out == ""
         line = f"lrsr: {folder} is in use by another lrsr command: wait for it or choose another"
         assert told.err.splitlines()[-1] == line
         first.communicate(timeout=120)
-    assert (first.returncode, epochs_of(folder)) == (0, 40)
-    assert train_by_command(str(folder), 42) == 0
+    assert (first.returncode, epochs_of(folder)) == (0, 12)
+    assert train_by_command(str(folder), 14) == 0
     assert capsys.readouterr().out.split() == [str(folder)]
     history = json.loads((folder / "metrics.json").read_text())["history"]
-    assert [epoch["epoch"] for epoch in history] == [*range(42)]
+    assert [epoch["epoch"] for epoch in history] == [*range(14)]
 
 
 def epochs_of(folder: Path) -> int:
