@@ -126,6 +126,12 @@ def test_a_multirun_leaves_nothing_but_its_runs(tmp_path: Path) -> None:
     assert {path.name for path in (tmp_path / "x").iterdir()} == {"0", "1"}
 
 
+def test_a_multirun_may_be_asked_for_in_hydras_words(tmp_path: Path) -> None:
+    status, _, err = run("hydra.mode=MULTIRUN paths.run=x", tmp_path)
+    assert status == 0, err
+    assert [path.name for path in (tmp_path / "x").iterdir()] == ["0"]
+
+
 @pytest.mark.parametrize(
     ("names", "status", "told"),
     [
