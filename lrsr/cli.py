@@ -148,7 +148,7 @@ def _run(name: str, words: list[str]) -> None:
     args = parser.parse_intermixed_args(words)
     version.setbase("1.3")
     failures: list[Exception] = []
-    with TemporaryDirectory() as scratch:
+    with _mode_of_the_line(args), TemporaryDirectory() as scratch:
         args.overrides = _mended(args, name, Path(scratch))
         try:
             _run_hydra(
@@ -164,6 +164,20 @@ def _run(name: str, words: list[str]) -> None:
         raise ExceptionGroup("some jobs of the multirun failed", failures)
     if failures:
         raise failures[0]
+
+
+@contextmanager
+def _mode_of_the_line(args: Any) -> Iterator[None]:
+    """Spare Hydra a whole composition to learn its mode; only the user's own words can say one."""
+    from hydra._internal.hydra import Hydra
+
+    asks = Hydra.get_mode
+    if not (args.config_path or args.config_dir or "hydra." in " ".join(args.overrides)):
+        Hydra.get_mode = lambda *_, **__: None  # type: ignore[method-assign]  # as in conf/
+    try:
+        yield
+    finally:
+        Hydra.get_mode = asks  # type: ignore[method-assign]
 
 
 def _refuse_option(message: str) -> Never:

@@ -4,6 +4,7 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -49,11 +50,18 @@ HOMES = {
 }
 
 
+@cache
+def statements_of(file: Path) -> list[ast.Import | ast.ImportFrom]:
+    """Every import of a file, wherever in it; read once, for a dozen tests ask."""
+    nodes = ast.walk(ast.parse(file.read_text()))
+    return [node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)]
+
+
 def imports_of(file: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in statements_of(file):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
+        else:
             yield node.module or ""
 
 
@@ -90,7 +98,7 @@ def modules() -> dict[str, Path]:
 def used_modules(file: Path, known: dict[str, Path]) -> set[str]:
     """Which modules a file imports, wherever in it the import stands."""
     used = set()
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in statements_of(file):
         if isinstance(node, ast.ImportFrom) and node.module:
             names = [f"{node.module}.{alias.name}" for alias in node.names]
             used |= {name if name in known else node.module for name in names}

@@ -3,8 +3,11 @@
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+from hydra._internal.config_loader_impl import ConfigLoaderImpl
+from omegaconf import DictConfig
 
 from lrsr.cli import _COMMANDS, main
 from lrsr.errors import InputError
@@ -23,14 +26,14 @@ def test_no_word_at_all_is_help(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("command", ["demo", "render", "train", "eval", "identities", "fit-camera"])
 def test_cfg_job_prints_the_configuration_from_an_empty_folder(
-    command: str, tmp_path: Path
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "lrsr", command, "--cfg", "job"],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert "identities:" in done.stdout
+    monkeypatch.chdir(tmp_path)
+    assert main([command, "--cfg", "job"]) == 0
+    assert "identities:" in capsys.readouterr().out
     assert list(tmp_path.iterdir()) == []
 
 
@@ -84,6 +87,21 @@ def test_a_process_ends_with_that_line_and_status(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
     assert done.stderr.startswith("lrsr: ")
+
+
+def test_settings_are_composed_once_to_know_the_keys_and_once_to_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    composed, load = [], ConfigLoaderImpl.load_configuration
+
+    def counted(*args: Any, **options: Any) -> DictConfig:
+        composed.append(options)
+        return load(*args, **options)
+
+    monkeypatch.setattr(ConfigLoaderImpl, "load_configuration", counted)
+    monkeypatch.chdir(tmp_path)
+    assert main(["models", "lost"]) == 2
+    assert len(composed) == 2
 
 
 def test_debug_shows_the_traceback() -> None:

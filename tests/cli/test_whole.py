@@ -98,11 +98,13 @@ def test_train_leaves_weights_that_eval_would_take(capsys: pytest.CaptureFixture
     folder = last_line(capsys)
     assert {"model.onnx", "best.ckpt", "metrics.json"} <= {path.name for path in folder.iterdir()}
     assert json.loads((folder / "metrics.json").read_text())["settings"]["identities.count"] == 2
-    for name in ("best.ckpt", "model.safetensors", "model.onnx"):
-        weights = f"sr.mine.weights={folder / name}"
-        assert main(["eval", "+debug=smoke", "methods=[base,bicubic2,mine]", weights]) == 0
-        rows = json.loads((last_line(capsys) / "results.json").read_text())["rows"]
-        assert [row["method"] for row in rows] == ["base", "bicubic2", "mine"] * 2
+    names = {"a": "best.ckpt", "b": "model.safetensors", "c": "model.onnx"}
+    weights = [f"sr.{method}.weights={folder / name}" for method, name in names.items()]
+    assert main(["eval", "+debug=smoke", "methods=[base,bicubic2,a,b,c]", *weights]) == 0
+    rows = json.loads((last_line(capsys) / "results.json").read_text())["rows"]
+    assert [row["method"] for row in rows] == ["base", "bicubic2", "a", "b", "c"] * 2
+    psnr_db = {row["method"]: row["psnr_y_db"] for row in rows}
+    assert psnr_db["a"] == psnr_db["b"] == pytest.approx(psnr_db["c"], abs=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import pytest
+from fakes.configurations import composed
 from fakes.scenes import SKINS
-from hydra import compose, initialize_config_dir
 
 from lrsr.errors import InputError
 from lrsr.paths import config_folder
@@ -15,8 +15,7 @@ FOLDER = config_folder()
 
 
 def skin(*overrides: str) -> Skin:
-    with initialize_config_dir(str(FOLDER), version_base="1.3"):
-        return read_quality(compose("render", ["out=x", *overrides])).skin
+    return read_quality(composed("render", "out=x", *overrides)).skin
 
 
 @pytest.mark.parametrize(

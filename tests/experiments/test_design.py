@@ -1,7 +1,7 @@
 from pathlib import Path
 
 import pytest
-from hydra import compose, initialize_config_dir
+from fakes import configurations
 from omegaconf import DictConfig
 
 from lrsr.errors import InputError
@@ -9,7 +9,6 @@ from lrsr.experiments.design import Condition, Design
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
-from lrsr.paths import config_folder
 from lrsr.pictures.folder import Entry, write_manifest
 from lrsr.presets import preset, presets
 from lrsr.rendering.pose import Pose
@@ -17,8 +16,7 @@ from lrsr.rendering.scene import Scene
 
 
 def composed(*overrides: str) -> DictConfig:
-    with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        return compose("eval", list(overrides))
+    return configurations.composed("eval", *overrides)
 
 
 def test_eval_without_arguments_is_option_1_at_ipd_8_with_100_identities() -> None:
@@ -30,8 +28,7 @@ def test_eval_without_arguments_is_option_1_at_ipd_8_with_100_identities() -> No
 
 
 def test_demo_has_24_identities_and_all_six_methods() -> None:
-    with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        settings = Design.from_config(compose("demo"))
+    settings = Design.from_config(configurations.composed("demo"))
     assert settings.people.count == 24
     assert len(settings.upscalers) == 6
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from fakes.configurations import composed
 from fakes.dlib_parts import install_dlib, remove_dlib
 from fakes.twins import TwinMaker
-from hydra import compose, initialize_config_dir
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
@@ -24,7 +24,6 @@ from lrsr.experiments.uniqueness import (
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
-from lrsr.paths import config_folder
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.render import take_pictures
 from lrsr.pictures.sitting import Sitting, read_gallery
@@ -66,8 +65,7 @@ def find(
 
 
 def configured(*overrides: str) -> UniquenessSettings:
-    with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        return UniquenessSettings.from_config(compose("identities", list(overrides)))
+    return UniquenessSettings.from_config(composed("identities", *overrides))
 
 
 def test_people_who_differ_stay_as_they_were_drawn(tmp_path: Path, tone_model: Path) -> None:
@@ -100,8 +98,7 @@ def test_the_pictures_are_those_that_verification_enrols(tmp_path: Path, tone_mo
     path = write_roster(tmp_path / "roster.json", roster)
     words = ["identities.count=8", "identities.sex=female", f"identities.roster={path}"]
     ours = gallery(tmp_path, tone_model, TwinMaker(), configured(*words))
-    with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        theirs = read_gallery(compose("eval", words))
+    theirs = read_gallery(composed("eval", *words))
     assert [ours.recipe((index, 0)) for index in range(8)] == theirs.recipes()
 
 

@@ -13,11 +13,14 @@ import numpy as np
 from fakes.scenes import LIGHTINGS, ROOMS, Studio
 from numpy.typing import NDArray
 from oracles.heads import ellipsoid_part, stand_in
+from oracles.translucent import mean_of_ball
 
 from lrsr.identities.head import Head
 from lrsr.presets import preset
 from lrsr.rendering import live_scene
 from lrsr.rendering.backend import _start
+from lrsr.rendering.lens_sensor import lens_sensor
+from lrsr.rendering.mounted_lens import mount
 from lrsr.rendering.skin_spectrum import skin_albedo
 from lrsr.rendering.spectral_upsampling import _filters, _light_bands, meter_bands
 from lrsr.rendering.wavelengths import draw_wavelengths, split
@@ -100,6 +103,40 @@ def pictures(renderer: Studio) -> Arrays:
     }
 
 
+def glass(renderer: Studio) -> Arrays:
+    """Rays of one wavelength each through a lens, and a face through a tiny one and a pinhole."""
+    mi = _start()
+    mounted = mount(preset("lens", "single"), 3.0, 1100.0, 0.5)
+    sensor = lens_sensor(mounted, np.eye(4), 0.1, 16, 16, disperse=False)
+    position, aperture = np.random.default_rng(0).uniform(size=(2, 300, 2))
+    colour = np.random.default_rng(1).uniform(size=300)
+    ray, weight = sensor.sample_ray_differential(
+        0.0, mi.Float(colour), mi.Point2f(position.T), mi.Point2f(aperture.T)
+    )
+    disc = np.array(mi.warp.square_to_uniform_disk_concentric(mi.Point2f(aperture.T))).T
+    film = (position - 0.5) * (-2, 2) * 0.1 * 3.0
+    aims = disc * mounted.pupil_reach_mm(film)[:, None] + mounted.pupil_middle_mm(film)
+    nm, way = np.array(ray.wavelengths), np.array(ray.d).T
+    errors = []
+    for number in range(300):
+        one = slice(number, number + 1)
+        _, wanted, through = mounted.rays_from_film(film[one], aims[one], float(nm[0, number]))
+        if through.all():
+            errors.append(np.abs(way[number] - wanted[0] * (1, 1, -1)).max())
+    ask: dict[str, Any] = {"lighting": "room_blue", "ipd_px": 4, "samples_per_pixel": 2048}
+    pinhole, tiny = (
+        renderer.render(stand_in(1), lens=lens, **ask).image.numpy()
+        for lens in ("pinhole", preset("lens", "thin", f_number=2000.0))
+    )
+    return {
+        "lens_errors": np.array(errors),
+        "lens_nm": nm,
+        "lens_weight": np.array(weight),
+        "pinhole": pinhole,
+        "tiny": tiny,
+    }
+
+
 def lambert(_: object, textures: Mapping[str, object]) -> tuple[dict[str, Any], dict[str, str]]:
     diffuse = {"type": "diffuse", "reflectance": textures["albedo"]}
     return diffuse, {"albedo": "reflectance.data"}
@@ -131,4 +168,6 @@ if __name__ == "__main__":
     renderer = Studio()
     ask: dict[str, Any] = {"ipd_px": 3, "samples_per_pixel": 64, "bands": 7}
     turns = np.array([renderer.render(head, **ask).image.numpy() for head in people])
-    np.savez(sys.argv[1], **shapes(), **rays(), **pictures(renderer), **sphere(), turns=turns)
+    seen = {**shapes(), **rays(), **pictures(renderer), **glass(renderer), **sphere()}
+    translucent, _ = mean_of_ball(0.4, samples=128, runs=2)
+    np.savez(sys.argv[1], **seen, turns=turns, translucent=translucent)

@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fakes.configurations import composed
 from fakes.scenes import EXPRESSIONS, LENSES, LIGHTINGS, POSES, SKINS, STANDPOINTS, recipe, scene
-from hydra import compose, initialize_config_dir
 from omegaconf import DictConfig
 
 from lrsr.errors import InputError
 from lrsr.identities.person import Person
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
-from lrsr.paths import config_folder
 from lrsr.pictures.burst import Burst
 from lrsr.pictures.sitting import (
     Sitting,
@@ -32,8 +31,7 @@ SITTING = Sitting(IdentityRange(start=5, count=3), scene(), Film(), Quality())
 
 
 def config(*overrides: str) -> DictConfig:
-    with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        return compose("render", ["out=x", *overrides])
+    return composed("render", "out=x", *overrides)
 
 
 def test_everyone_is_pictured_alike_but_for_the_noise() -> None:

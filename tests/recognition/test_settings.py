@@ -1,18 +1,16 @@
 from pathlib import Path
 
 import pytest
-from hydra import compose, initialize_config_dir
+from fakes.configurations import composed
 
 from lrsr.errors import InputError
-from lrsr.paths import config_folder
 from lrsr.recognition.detection.enlargement import Enlargement
 from lrsr.recognition.memory import Memory
 from lrsr.recognition.settings import RecognitionSettings
 
 
 def read(*words: str, command: str = "eval") -> RecognitionSettings:
-    with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        return RecognitionSettings.from_config(compose(command, list(words)))
+    return RecognitionSettings.from_config(composed(command, *words))
 
 
 def test_an_experiment_has_landmarks_of_both_sources() -> None:

@@ -10,6 +10,7 @@ import pytest
 from fakes.scenes import Studio
 from oracles.heads import stand_in
 
+from lrsr.files import locked
 from lrsr.identities.head import Head
 from lrsr.rendering.backend import _start
 
@@ -31,9 +32,27 @@ def renderer(tmp_path_factory: pytest.TempPathFactory) -> Studio:
 @pytest.fixture(scope="session")
 def traced(tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
     """Return what a variant that traces wavelengths shows; see ``oracles/spectral.py``."""
-    target = tmp_path_factory.mktemp("traced") / "seen.npz"
-    environment = {**os.environ, "LRSR_VARIANT": "llvm_ad_spectral"}
+    return shown_by("llvm_ad_spectral", "spectral", tmp_path_factory)
+
+
+@pytest.fixture(scope="session")
+def slow(tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
+    """Return what the variant without any compiler shows; see ``oracles/scalar.py``."""
+    return shown_by("scalar_rgb", "scalar", tmp_path_factory)
+
+
+def shown_by(
+    variant: str, oracle: str, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, np.ndarray]:
+    """Run an oracle in a process of its own, as a variant wants it, once for all workers."""
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
+    target = folder / f"{variant}.npz"
+    environment = {**os.environ, "LRSR_VARIANT": variant}
     environment["PYTHONPATH"] = str(Path(__file__).parents[1])
-    command = [sys.executable, "-m", "oracles.spectral", str(target)]
-    subprocess.run(command, check=True, env=environment)
+    command = [sys.executable, "-m", f"oracles.{oracle}", str(target)]
+    with locked(folder):
+        if not target.is_file():
+            subprocess.run(command, check=True, env=environment)
     return dict(np.load(target))

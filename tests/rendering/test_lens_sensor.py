@@ -1,10 +1,6 @@
 """The sensor in Dr.Jit: against rays in double precision, Mitsuba's thin lens, and energy."""
 
-import os
-import subprocess
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -282,92 +278,30 @@ def test_the_table_is_what_light_from_the_film_meets() -> None:
     assert image_of(mounted.surfaces, FOCUS_MM)[0] == pytest.approx(mounted.image_mm)
 
 
-def test_the_slow_variant_shows_the_same(renderer: Studio, tmp_path: Path) -> None:
-    ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16, "lens": "single"}
-    fast = renderer.render(stand_in(0), **{**ask, "samples_per_pixel": 1024}).image.numpy()
-    code = (
-        "import sys, drjit, numpy as np\n"
-        "from oracles.heads import stand_in; import lrsr.rendering\n"
-        "threads = drjit.thread_count()\n"
-        f"result = lrsr.rendering.render(stand_in(0), **{ask!r})\n"
-        "assert drjit.thread_count() == threads\n"
-        "np.save(sys.argv[1], result.image.numpy())"
-    )
-    target = tmp_path / "slow.npy"
-    environment = {**os.environ, "LRSR_VARIANT": "scalar_rgb"}
-    environment["PYTHONPATH"] = str(Path(__file__).parents[1])
-    subprocess.run([sys.executable, "-c", code, str(target)], check=True, env=environment)
-    slow = np.load(target)
-    assert slow.mean() == pytest.approx(float(fast.mean()), rel=0.02)
-    assert np.abs(slow - fast).mean() < 0.03
+def test_the_slow_variant_shows_the_same(renderer: Studio, slow: dict[str, np.ndarray]) -> None:
+    ask = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 1024, "lens": "single"}
+    fast = renderer.render(stand_in(0), **ask).image.numpy()
+    assert slow["single"].mean() == pytest.approx(float(fast.mean()), rel=0.02)
+    assert np.abs(slow["single"] - fast).mean() < 0.03
 
 
-SPECTRAL = """
-import sys
-import numpy as np
-from oracles.heads import stand_in
-from lrsr.rendering.backend import _start
-from fakes.scenes import Studio
-from lrsr.presets import preset
-from lrsr.rendering.lens_sensor import lens_sensor
-from lrsr.rendering.mounted_lens import mount
-
-mi = _start()
-mounted = mount(preset("lens", "single"), 3.0, 1100.0, 0.5)
-sensor = lens_sensor(mounted, np.eye(4), 0.1, 16, 16, disperse=False)
-position, aperture = np.random.default_rng(0).uniform(size=(2, 300, 2))
-colour = np.random.default_rng(1).uniform(size=300)
-ray, weight = sensor.sample_ray_differential(
-    0.0, mi.Float(colour), mi.Point2f(position.T), mi.Point2f(aperture.T)
-)
-disc = np.array(mi.warp.square_to_uniform_disk_concentric(mi.Point2f(aperture.T))).T
-film = (position - 0.5) * (-2, 2) * 0.1 * 3.0
-aims = disc * mounted.pupil_reach_mm(film)[:, None] + mounted.pupil_middle_mm(film)
-nm, way = np.array(ray.wavelengths), np.array(ray.d).T
-errors = []
-for number in range(300):
-    one = slice(number, number + 1)
-    _, wanted, through = mounted.rays_from_film(film[one], aims[one], float(nm[0, number]))
-    if through.all():
-        errors.append(np.abs(way[number] - wanted[0] * (1, 1, -1)).max())
-renderer = Studio()
-ask = {"lighting": "room_blue", "ipd_px": 4, "samples_per_pixel": 2048}
-renderer.render(stand_in(2), lens="thin", **{**ask, "lighting": "side"})
-pinhole, tiny = (
-    renderer.render(stand_in(1), lens=lens, **ask).image.numpy()
-    for lens in ("pinhole", preset("lens", "thin", f_number=2000.0))
-)
-np.savez(sys.argv[1], errors=errors, nm=nm, weight=np.array(weight), pinhole=pinhole, tiny=tiny)
-"""
-
-
-@pytest.fixture(scope="module")
-def spectral(tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
-    """Render in a variant that traces wavelengths, which must be the only one of its process."""
-    target = tmp_path_factory.mktemp("spectral") / "seen.npz"
-    environment = {**os.environ, "LRSR_VARIANT": "llvm_ad_spectral"}
-    environment["PYTHONPATH"] = str(Path(__file__).parents[1])
-    subprocess.run([sys.executable, "-c", SPECTRAL, str(target)], check=True, env=environment)
-    return dict(np.load(target))
-
-
-def test_glass_bends_each_wavelength_by_its_own_index(spectral: dict[str, np.ndarray]) -> None:
-    assert len(spectral["errors"]) > 250
-    assert spectral["errors"].max() < 2e-6
-    first = spectral["nm"][0]
+def test_glass_bends_each_wavelength_by_its_own_index(traced: dict[str, np.ndarray]) -> None:
+    assert len(traced["lens_errors"]) > 250
+    assert traced["lens_errors"].max() < 2e-6
+    first = traced["lens_nm"][0]
     assert first.min() < 430 < 650 < first.max()
 
 
-def test_only_the_wavelength_that_is_traced_has_a_weight(spectral: dict[str, np.ndarray]) -> None:
-    weight = spectral["weight"]
+def test_only_the_wavelength_that_is_traced_has_a_weight(traced: dict[str, np.ndarray]) -> None:
+    weight = traced["lens_weight"]
     assert (weight[0] > 0).mean() > 0.95
     assert not weight[1:].any()
 
 
 def test_one_wavelength_of_four_is_right_on_average(
-    spectral: dict[str, np.ndarray], renderer: Studio
+    traced: dict[str, np.ndarray], renderer: Studio
 ) -> None:
-    pinhole, tiny = spectral["pinhole"], spectral["tiny"]
+    pinhole, tiny = traced["pinhole"], traced["tiny"]
     assert tiny.mean(axis=(1, 2)) == pytest.approx(pinhole.mean(axis=(1, 2)), rel=5e-3)
     assert np.abs(tiny - pinhole).mean() < 0.02
     ask = {"lighting": "room_blue", "ipd_px": 4, "samples_per_pixel": 512}

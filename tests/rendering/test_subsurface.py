@@ -1,11 +1,7 @@
 """Translucent skin: energy, invariance, brute force, bytes, kernels and variants."""
 
 import logging
-import os
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -146,16 +142,8 @@ def test_without_a_compiler_skin_is_reflective_and_that_is_said_once(
     assert "reflective instead" in caplog.text
 
 
-def test_a_spectral_variant_sees_the_same_grey(renderer: Studio, tmp_path: Path) -> None:
-    """Another variant needs a process of its own."""
-    code = (
-        "from lrsr.rendering.backend import _start; mi = _start();"
-        "mi.set_variant('llvm_ad_spectral');"
-        "import sys, numpy as np; from oracles.translucent import mean_of_ball;"
-        "np.save(sys.argv[1], mean_of_ball(0.4, samples=128, runs=2)[0])"
-    )
-    target = tmp_path / "spectral.npy"
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
-    subprocess.run([sys.executable, "-c", code, str(target)], check=True, env=environment)
+def test_a_spectral_variant_sees_the_same_grey(
+    renderer: Studio, traced: dict[str, np.ndarray]
+) -> None:
     mean, _ = mean_of_ball(0.4, samples=128, runs=2)
-    np.testing.assert_allclose(np.load(target), mean, rtol=0.02)
+    np.testing.assert_allclose(traced["translucent"], mean, rtol=0.02)

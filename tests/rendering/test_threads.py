@@ -23,17 +23,20 @@ from fakes.scenes import Studio
 from oracles.heads import stand_in
 from lrsr.rendering import render
 
-def picture(_=0):
+def picture(_=0, render=render):
     return float(render(stand_in(0), ipd_px=4.0, samples_per_pixel=16).image.double().mean())
 
-def in_threads(count, function):
+def own():
+    return picture(render=Studio().render)
+
+def in_threads(functions):
     seen, faults = [], []
-    def work():
+    def work(function):
         try:
             seen.append(function())
         except BaseException as error:
             faults.append(f"{type(error).__name__}: {error}")
-    threads = [threading.Thread(target=work) for _ in range(count)]
+    threads = [threading.Thread(target=work, args=(function,)) for function in functions]
     [thread.start() for thread in threads]
     [thread.join() for thread in threads]
     return seen, faults
@@ -44,15 +47,15 @@ def in_child(method):
 """
 
 FIRST = {
-    "four threads render": "seen, faults = in_threads(4, picture)",
-    "one thread, then the main one": "seen, faults = in_threads(1, picture); seen += [picture()]",
-    "a thread for each renderer": (
-        "seen, faults = in_threads(3, lambda: float(Studio().render("
-        "stand_in(0), ipd_px=4.0, samples_per_pixel=16).image.double().mean()))"
+    "threads, of one renderer and of their own, then the main one": (
+        "seen, faults = in_threads([picture] * 3 + [own] * 2); seen += [picture()]",
+        6,
     ),
-    "a spawned child of a renderer": "seen, faults = [picture(), in_child('spawn')], []",
-    "a child of a fork server": "seen, faults = [picture(), in_child('forkserver')], []",
-    "a forked child before its parent": "seen, faults = [in_child('fork'), picture()], []",
+    "children that a renderer starts": (
+        "seen, faults = [picture(), in_child('spawn'), in_child('forkserver')], []",
+        3,
+    ),
+    "a forked child before its parent": ("seen, faults = [in_child('fork'), picture()], []", 2),
 }
 
 
@@ -69,15 +72,14 @@ def run(tmp_path: Path, body: str) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("body", FIRST.values(), ids=FIRST)
-def test_the_first_use_may_be_anywhere(tmp_path: Path, body: str) -> None:
+@pytest.mark.parametrize(("body", "count"), FIRST.values(), ids=FIRST)
+def test_the_first_use_may_be_anywhere(tmp_path: Path, body: str, count: int) -> None:
     """Case 15: one of two threads died of "module 'mitsuba' has no attribute 'set_variant'"."""
-    done = run(tmp_path, f"{body}\nprint(len(set(seen)), faults)")
-    assert done.stdout.splitlines()[-1:] == ["1 []"], done.stderr
-
-
-def test_a_child_forked_after_a_render_says_what_to_do(tmp_path: Path) -> None:
-    done = run(tmp_path, "picture()\nin_child('fork')")
+    done = run(
+        tmp_path, f"{body}\nprint(len(seen), len(set(seen)), faults, flush=True)\nin_child('fork')"
+    )
+    assert done.stdout.splitlines()[-1:] == [f"{count} 1 []"], done.stderr
+    # A child that is forked after a render says what to do.
     last = done.stderr.splitlines()[-1]
     assert last.startswith("lrsr.errors.InputError: process ")
     assert "forked after its parent had started Mitsuba" in last

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fakes import configurations
 from fakes.lessons import draw_pictures
-from hydra import compose, initialize_config_dir
 from lightning.pytorch.loggers import CSVLogger
 from omegaconf import DictConfig
 
@@ -36,9 +36,8 @@ NAMES = (
 
 
 def composed(name: str, *overrides: str) -> DictConfig:
-    with initialize_config_dir(str(config_folder()), version_base="1.3"):
-        words = [f"train={name}", "identities.count=4", "paths.run=x", *overrides]
-        return compose("train", overrides=words, return_hydra_config=False)
+    words = [f"train={name}", "identities.count=4", "paths.run=x", *overrides]
+    return configurations.composed("train", *words)
 
 
 def lessons(name: str, folder: Path, *overrides: str) -> Any:

@@ -1,5 +1,6 @@
 import csv
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -23,6 +24,8 @@ from fakes.lessons import (
     make_srcnn,
     make_told,
     quiet,
+    train_by_command,
+    train_fake,
 )
 from lightning.pytorch import LightningDataModule
 from lightning.pytorch.loggers import CSVLogger
@@ -33,7 +36,7 @@ from lrsr.images import luminance
 from lrsr.recognition import Engine
 from lrsr.sr import load_upscaler
 from lrsr.sr.weights import read_weights
-from lrsr.training import identification, restoration
+from lrsr.training import identification, lessons, restoration
 from lrsr.training.learner import Learner
 from lrsr.training.patches import Pair, RgbPatches
 from lrsr.training.restoration import Restoration
@@ -221,66 +224,73 @@ def test_each_term_of_the_loss_has_its_figure(tmp_path: Path) -> None:
 
 
 FAKE = "import sys; from fakes.lessons import train_fake; train_fake(*sys.argv[1:3], 4)"
+COMMAND = """
+import sys
+from fakes.lessons import train_by_command
+from lrsr.training import restoration
+restoration.export_onnx = lambda *_, **__: 0.0
+sys.exit(train_by_command(*sys.argv[1:]))
+"""
 
 
+def begin(code: str, *words: object) -> subprocess.Popen[bytes]:
+    """Start a process of its own: only that can be killed, or hold a folder against this one."""
+    command = [sys.executable, "-c", code, *map(str, words)]
+    paths = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+    environment = {**os.environ, "PYTHONPATH": paths}
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
+    )
+
+
+def wait_for_epochs(process: subprocess.Popen[bytes], folder: Path, count: int) -> None:
+    while process.poll() is None and epochs_of(folder) < count:
+        time.sleep(0.01)
+
+
+@without_export
 @pytest.mark.parametrize("network", ["srcnn", "arcface"])
 def test_four_epochs_killed_after_two_end_with_the_same_weights(
-    network: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    network: str, tmp_path: Path
 ) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]), prepend=":")
-    begin = partial(subprocess.Popen, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    folders = [str(tmp_path / name) for name in ("whole", "killed")]
-    whole, killed = ([sys.executable, "-c", FAKE, network, folder] for folder in folders)
-    with begin(whole) as undisturbed:
-        with begin(killed) as process:
-            while process.poll() is None and epochs_of(Path(folders[1])) < 2:
-                time.sleep(0.01)
-            process.kill()
-            stdout, stderr = process.communicate(timeout=60)
-        assert process.returncode == -signal.SIGKILL
-        assert b"epoch 2/4: " in stderr
-        assert stdout == b"", "progress belongs to stderr"
-        subprocess.run(killed, check=True, capture_output=True)
-        undisturbed.communicate(timeout=200)
-    one, other = (torch.load(f"{folder}/last.ckpt", weights_only=True) for folder in folders)
+    with begin(FAKE, network, tmp_path / "killed") as process:
+        wait_for_epochs(process, tmp_path / "killed", 2)
+        process.kill()
+        stdout, stderr = process.communicate(timeout=60)
+    assert process.returncode == -signal.SIGKILL
+    assert b"epoch 2/4: " in stderr
+    assert stdout == b"", "progress belongs to stderr"
+    for name in ("whole", "killed"):
+        train_fake(network, str(tmp_path / name), 4)
+    one, other = (
+        torch.load(tmp_path / name / "last.ckpt", weights_only=True) for name in ("whole", "killed")
+    )
     assert one["epoch"] == other["epoch"] == 3
     assert one["history"] == other["history"]
     assert all(torch.equal(one["state_dict"][name], t) for name, t in other["state_dict"].items())
 
 
-COMMAND = (
-    "import sys; from fakes.lessons import train_by_command as run; sys.exit(run(*sys.argv[1:]))"
-)
-
-
+@without_export
 def test_of_two_commands_in_one_folder_the_later_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]), prepend=":")
+    monkeypatch.setattr(lessons, "read_lessons", lessons.read_lessons)  # to be as it was again
     folder = tmp_path / "run"
-
-    def command(epochs: int) -> subprocess.Popen[bytes]:
-        words = [sys.executable, "-c", COMMAND, str(folder), str(epochs)]
-        return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-
-    with command(40) as first:
-        while first.poll() is None and epochs_of(folder) < 1:
-            time.sleep(0.01)
+    with begin(COMMAND, folder, 12) as first:
+        wait_for_epochs(first, folder, 1)
         first.send_signal(signal.SIGSTOP)  # it works in the folder, however fast it is
-        with command(40) as second:
-            stdout, stderr = second.communicate(timeout=120)
+        assert train_by_command(str(folder), 12) == 2
+        told = capsys.readouterr()
         first.send_signal(signal.SIGCONT)
-        assert (second.returncode, stdout) == (2, b"")
+        assert told.out == ""
         line = f"lrsr: {folder} is in use by another lrsr command: wait for it or choose another"
-        assert stderr.decode().splitlines()[-1] == line
+        assert told.err.splitlines()[-1] == line
         first.communicate(timeout=120)
-    assert (first.returncode, epochs_of(folder)) == (0, 40)
-    with command(42) as longer:
-        stdout, stderr = longer.communicate(timeout=120)
-    assert longer.returncode == 0, stderr
-    assert stdout.decode().split() == [str(folder)]
+    assert (first.returncode, epochs_of(folder)) == (0, 12)
+    assert train_by_command(str(folder), 14) == 0
+    assert capsys.readouterr().out.split() == [str(folder)]
     history = json.loads((folder / "metrics.json").read_text())["history"]
-    assert [epoch["epoch"] for epoch in history] == [*range(42)]
+    assert [epoch["epoch"] for epoch in history] == [*range(14)]
 
 
 def epochs_of(folder: Path) -> int:

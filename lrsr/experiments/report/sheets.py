@@ -7,9 +7,6 @@ import torch
 import torch.nn.functional as F
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
-from torchvision.transforms.v2 import InterpolationMode
-from torchvision.transforms.v2.functional import resize
-from torchvision.utils import make_grid
 
 from lrsr.errors import ImageContractError
 from lrsr.pages import png_bytes
@@ -36,15 +33,16 @@ def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
     if len({len(column) for column in pictures.values()}) != 1:
         sizes = {heading: len(column) for heading, column in pictures.items()}
         raise ImageContractError(f"contact sheet: got {sizes}, wanted as many people in each")
-    tiles = torch.stack([_tile(column) for column in pictures.values()], dim=1).flatten(0, 1)
-    grid = make_grid(tiles, nrow=len(pictures), padding=_GAP_PX, pad_value=1.0)
-    if len(tiles) == 1:  # which torchvision leaves without its frame
-        grid = F.pad(grid, [_GAP_PX] * 4, value=1.0)
-    sheet = np.ones((grid.shape[1] + _HEADING_PX, grid.shape[2], 3))
-    sheet[_HEADING_PX:] = grid.permute(1, 2, 0).numpy()
-    middles = _GAP_PX + _TILE_PX / 2 + np.arange(len(pictures)) * (_TILE_PX + _GAP_PX)
-    headings = zip(pictures, middles.tolist(), strict=True)
-    return _draw(sheet, [(heading, x, _HEADING_PX / 2, 7.8) for heading, x in headings])
+    people, step = len(next(iter(pictures.values()))), _TILE_PX + _GAP_PX
+    sheet = np.ones((_HEADING_PX + people * step + _GAP_PX, len(pictures) * step + _GAP_PX, 3))
+    words = []
+    for number, (heading, column) in enumerate(pictures.items()):
+        x = _GAP_PX + number * step
+        words.append((heading, x + _TILE_PX / 2, _HEADING_PX / 2, 7.8))
+        for row, tile in enumerate(_tiles(column)):
+            y = _HEADING_PX + _GAP_PX + row * step
+            sheet[y : y + _TILE_PX, x : x + _TILE_PX] = tile.permute(1, 2, 0)
+    return _draw(sheet, words)
 
 
 def draw_portraits(
@@ -95,11 +93,10 @@ def _draw(sheet: NDArray[np.float64], words: Sequence[tuple[str, float, float, f
     return png_bytes(figure)
 
 
-def _tile(column: torch.Tensor) -> torch.Tensor:
+def _tiles(column: torch.Tensor) -> torch.Tensor:
     small = column.shape[-1] <= _TILE_PX
-    how = InterpolationMode.NEAREST if small else InterpolationMode.BICUBIC
-    tile: torch.Tensor = resize(column, [_TILE_PX, _TILE_PX], how, antialias=not small)
-    return tile.clamp(0, 1)
+    mode = "nearest" if small else "bicubic"
+    return F.interpolate(column, [_TILE_PX] * 2, mode=mode, antialias=not small).clamp(0, 1)
 
 
 def _place(number: int, columns: int, group: int, height: int, width: int) -> tuple[int, int]:
