@@ -22,7 +22,7 @@ _Initialisation = Literal["default", "near-bicubic"]
 
 
 class SPARNet(Network):
-    """The network, from small srgb to large srgb.
+    """The network, from small srgb to large srgb; borders are repeated.
 
     Args:
         scale: 2, 3 or 4.
@@ -31,7 +31,7 @@ class SPARNet(Network):
         large_features: Channels of the one unit on the large picture, at least 4.
         depth: How often an hourglass halves the picture, 1 to 4.
         initialisation: "default" is PyTorch's. "near-bicubic" starts within some 3 % of bicubic
-            enlargement, but for the border: a path around the units enlarges, they add little.
+            enlargement: a path around the units enlarges, they add little.
 
     Raises:
         InputError: An argument is out of range.
@@ -125,4 +125,4 @@ def _rectify(features: torch.Tensor) -> torch.Tensor:
 
 
 def _conv(inputs: int, outputs: int, stride: int = 1) -> nn.Conv2d:
-    return nn.Conv2d(inputs, outputs, 3, stride, padding=1)
+    return nn.Conv2d(inputs, outputs, 3, stride, padding=1, padding_mode="replicate")

@@ -11,10 +11,10 @@ Weights = dict[str, np.ndarray]
 
 
 def convolved(channels: np.ndarray, weights: Weights, name: str) -> np.ndarray:
-    """A convolution by scipy, zeros around, one output channel after the other."""
+    """A convolution by scipy that repeats the edge, one output channel after the other."""
     kernels, biases = weights[f"{name}.weight"], weights[f"{name}.bias"]
     side = kernels.shape[-1] // 2
-    padded = np.pad(channels, ((0, 0), (side, side), (side, side)))
+    padded = np.pad(channels, ((0, 0), (side, side), (side, side)), mode="edge")
     outputs = [correlate(padded, kernel, mode="valid")[0] for kernel in kernels]
     return np.stack(outputs) + biases[:, None, None]
 
@@ -71,14 +71,13 @@ def test_forward_is_the_papers_figure(scale: int) -> None:
 
 
 @pytest.mark.parametrize("scale", [2, 3, 4])
-def test_near_bicubic_start_is_within_three_percent_of_bicubic_inside(scale: int) -> None:
+def test_near_bicubic_start_is_within_three_percent_of_bicubic(scale: int) -> None:
     torch.manual_seed(0)
     noise = torch.rand(1, 3, 20, 20, generator=torch.Generator().manual_seed(0))
     smooth = torch.nn.functional.avg_pool2d(noise, 5, 1)
     with torch.no_grad():
         larger = IMDN(scale=scale, blocks=2, features=16, initialisation="near-bicubic")(smooth)
-    inside = (..., slice(2 * scale, -2 * scale), slice(2 * scale, -2 * scale))
-    assert 0.0 < float((larger - resize_bicubic(smooth, scale))[inside].abs().max()) < 0.03
+    assert 0.0 < float((larger - resize_bicubic(smooth, scale)).abs().max()) < 0.03
 
 
 def test_near_bicubic_start_can_learn_in_every_layer() -> None:

@@ -65,13 +65,12 @@ def test_odd_sizes_keep_their_size(size: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize("scale", [2, 3, 4])
-def test_near_bicubic_start_is_within_three_percent_of_bicubic_inside(scale: int) -> None:
+def test_near_bicubic_start_is_within_three_percent_of_bicubic(scale: int) -> None:
     noise = torch.rand(1, 3, 20, 20, generator=torch.Generator().manual_seed(0))
     smooth = torch.nn.functional.avg_pool2d(noise, 5, 1)
     with torch.no_grad():
         larger = small(scale=scale, initialisation="near-bicubic")(smooth)
-    inside = (..., slice(2 * scale, -2 * scale), slice(2 * scale, -2 * scale))
-    assert 0.0 < float((larger - resize_bicubic(smooth, scale))[inside].abs().max()) < 0.03
+    assert 0.0 < float((larger - resize_bicubic(smooth, scale)).abs().max()) < 0.03
 
 
 def test_near_bicubic_start_can_learn_in_every_layer() -> None:
