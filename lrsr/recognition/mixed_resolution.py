@@ -35,11 +35,11 @@ _Floats = NDArray[np.float32]
 _TENSORS = ("probe_mean", "probe_map", "gallery_mean", "gallery_map", "correlations")
 
 
-def side_px(ipd_px: float) -> int:
+def _side_px(ipd_px: float) -> int:
     """Return the side of the aligned face in which the eyes are as far apart as in the picture.
 
     Example:
-        >>> side_px(8.0), side_px(32.0)
+        >>> _side_px(8.0), _side_px(32.0)
         (25, 102)
     """
     return round(CROP_PX * ipd_px / TEMPLATE_IPD_PX)
@@ -61,7 +61,7 @@ def cut_faces(
     Raises:
         ImageContractError: See :meth:`lrsr.recognition.engine.Engine.embed`.
     """
-    side = side_px(ipd_px)
+    side = _side_px(ipd_px)
     crops, found = align(check_srgb(srgb), landmarks_px, antialias=True, size_px=(side, side))
     rows = luminance(crops).flatten(1).numpy(force=True)
     rows = rows - rows.mean(axis=1, keepdims=True)
@@ -135,7 +135,7 @@ def write_space(path: Path, space: CommonSpace, card: Card) -> None:
     write_bytes(path, save(tensors, metadata={NAME: json.dumps(asdict(card))}))
 
 
-def read_space(path: Path) -> tuple[CommonSpace, Card]:
+def _read_space(path: Path) -> tuple[CommonSpace, Card]:
     """Read what :func:`write_space` wrote.
 
     Raises:
@@ -167,7 +167,7 @@ def _card(text: str) -> Card:
 
 def _fits(space: CommonSpace, card: Card) -> bool:
     """Are the shapes those of the card, and are all numbers usable?"""
-    sides = side_px(card.probe_ipd_px), side_px(card.gallery_ipd_px)
+    sides = _side_px(card.probe_ipd_px), _side_px(card.gallery_ipd_px)
     dimension = len(space.correlations)
     wanted: dict[str, tuple[int, ...]] = {"correlations": (dimension,)}
     for name, side in zip(("probe", "gallery"), sides, strict=True):
@@ -185,12 +185,12 @@ class MixedResolution:
         weights: A file of ``lrsr train recognition=mixed_resolution``.
 
     Raises:
-        InputError: See :func:`read_space`.
+        InputError: See :func:`_read_space`.
     """
 
     def __init__(self, weights: Path) -> None:
         self.weights = weights
-        self.space, self.card = read_space(weights)
+        self.space, self.card = _read_space(weights)
 
     def embed(
         self, srgb: torch.Tensor, landmarks_px: ArrayLike, boxes_px: ArrayLike | None = None

@@ -19,7 +19,7 @@ from lrsr.recognition.mixed_resolution import CommonSpace
 
 _Floats = NDArray[np.float64]
 
-MOST_CORRELATED = 0.999
+_MOST_CORRELATED = 0.999
 """No correlation is estimated higher: a ratio would be infinite."""
 
 
@@ -117,7 +117,7 @@ def pair(sides: Sides, components: int, dimension: int) -> CommonSpace:
         dimension: How many directions are kept, no more than there are components.
 
     Returns:
-        The common space; correlations above :data:`MOST_CORRELATED` are taken for that.
+        The common space; correlations above :data:`_MOST_CORRELATED` are taken for that.
 
     Raises:
         InputError: There are fewer components than directions are asked for.
@@ -138,7 +138,7 @@ def pair(sides: Sides, components: int, dimension: int) -> CommonSpace:
         probe_map=probe_map,
         gallery_mean=gallery.mean.astype(np.float32),
         gallery_map=gallery_map,
-        correlations=correlations[:dimension].clip(0, MOST_CORRELATED).astype(np.float32),
+        correlations=correlations[:dimension].clip(0, _MOST_CORRELATED).astype(np.float32),
     )
 
 
@@ -164,7 +164,7 @@ def judged_by_others(space: CommonSpace, parts: Sequence[Part], components: int)
         moments += [(a * b).sum(axis=0, dtype=np.float64) for a, b in ((x, x), (y, y), (x, y))]
     count = sum(len(part.probes) for part in parts)
     spread = np.sqrt(moments[:2] / count)
-    correlations = (moments[2] / count / spread.prod(axis=0)).clip(0, MOST_CORRELATED)
+    correlations = (moments[2] / count / spread.prod(axis=0)).clip(0, _MOST_CORRELATED)
     return replace(
         space,
         probe_map=(space.probe_map / spread[0]).astype(np.float32),

@@ -17,7 +17,7 @@ Batch = tuple[torch.Tensor, ...]
 """Small and true pictures, and maybe the landmarks of the latter; or what is cut from them."""
 
 
-class EpochPatches(Dataset[Batch]):
+class _EpochPatches(Dataset[Batch]):
     """The patches of one epoch, contiguous; those of the next replace them where they differ.
 
     Args:
@@ -97,7 +97,7 @@ class Patchwork(LightningDataModule):
         """
         if hasattr(self, "lessons"):
             return
-        self.lessons = EpochPatches(self.cut, redrawn=self.redrawn)
+        self.lessons = _EpochPatches(self.cut, redrawn=self.redrawn)
         self.validation_pairs = [
             one for batch in self.pairs(None) for one in zip(*batch[:2], strict=True)
         ]

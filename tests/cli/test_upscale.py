@@ -90,7 +90,7 @@ def test_a_multirun_has_a_folder_for_each() -> None:
         (["upscale", "out=x"], "images must be given"),
         (["upscale", "b,c.png"], "out must be given"),
         (["upscale", "b,c.png", "out=null"], "out=null: give the folder"),
-        (["upscale", "b,c.png", "out=x", "sr=srcnn3"], "sr=srcnn3: no such option"),
+        (["upscale", "b,c.png", "out=x", "sr=srcnn9"], "sr=srcnn9: no such option"),
         (["upscale", "b,c.png", "out=x", "sr=onnx"], "sr.model must be given"),
         (["upscale", "b,c.png", "out=x", "sr=foreign"], "sr.model must be given"),
         (["upscale", "b,c.png", "out=x", "sr=onnx", "sr.model=n.onnx"], "n.onnx is missing"),

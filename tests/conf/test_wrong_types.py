@@ -57,7 +57,7 @@ UNREAD = {
     "render-lens": {"gallery", "paths.run", "paths.runs"},
     "render-spectral": {"gallery"},
     "render-gallery": {
-        *("pose", "lighting", "expression", "another_day", "ipd_px", "compression"),
+        *("pose", "lighting", "expression", "another_day", "ipd_px", "compression", "burst"),
     },
     "identities": {"pose", "lighting", "expression", "another_day", "ipd_px", "export"},
     "identities-export": {

@@ -16,9 +16,9 @@ from lrsr.recognition.mixed_resolution import (
     Card,
     CommonSpace,
     MixedResolution,
+    _read_space,
+    _side_px,
     cut_faces,
-    read_space,
-    side_px,
     write_space,
 )
 from lrsr.recognition.recognisers import find_recognisers, load_recognisers
@@ -29,7 +29,7 @@ LANDMARKS = TEMPLATE_PX[None] + 20
 
 def space(card: Card = CARD, dimension: int = 4) -> CommonSpace:
     rng = np.random.default_rng(0)
-    small, large = (side_px(ipd) ** 2 for ipd in (card.probe_ipd_px, card.gallery_ipd_px))
+    small, large = (_side_px(ipd) ** 2 for ipd in (card.probe_ipd_px, card.gallery_ipd_px))
     parts = [rng.normal(size=size) for size in (small, (small, dimension))]
     parts += [rng.normal(size=size) for size in (large, (large, dimension))]
     parts = [part.astype(np.float32) / 30 for part in parts]
@@ -54,7 +54,7 @@ def test_eyes_stand_as_far_apart_as_asked() -> None:
     for x, y in eyes:
         picture[:, :, y - 2 : y + 3, x - 2 : x + 3] = 1
     rows, found = cut_faces(picture, LANDMARKS, 16.0)
-    side = side_px(16.0)
+    side = _side_px(16.0)
     crop = rows.reshape(side, side).clip(0)
     assert found.all()
     columns = np.arange(side)
@@ -111,7 +111,7 @@ def test_broken_pictures_are_refused(weights: Path) -> None:
 
 
 def test_weights_come_back_with_their_card(weights: Path) -> None:
-    known, card = read_space(weights)
+    known, card = _read_space(weights)
     assert card == CARD
     np.testing.assert_array_equal(known.gallery_map, space().gallery_map)
     about = MixedResolution(weights).describe()
@@ -132,20 +132,20 @@ def test_numbers_that_cannot_be_used_are_refused(
     path = tmp_path / "model.safetensors"
     write_space(path, replace(space(), **{k: np.float32(v) for k, v in changes.items()}), card)
     with pytest.raises(InputError, match=message):
-        read_space(path)
+        _read_space(path)
 
 
 def test_files_of_something_else_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "other.safetensors"
     with pytest.raises(InputError, match="no weights at"):
-        read_space(path)
+        _read_space(path)
     path.write_bytes(b"no")
     with pytest.raises(InputError, match="no safetensors file"):
-        read_space(path)
+        _read_space(path)
     for told in ({"people": "60"}, {"mixed_resolution": "{}"}, {"mixed_resolution": "sixty"}):
         save_file({"weight": np.zeros(3, np.float32)}, path, metadata=told)
         with pytest.raises(InputError, match="is not of mixed_resolution"):
-            read_space(path)
+            _read_space(path)
 
 
 def test_it_is_a_recogniser_by_name_or_by_file(weights: Path) -> None:

@@ -8,7 +8,7 @@ from sklearn.cross_decomposition import CCA
 from lrsr.errors import InputError
 from lrsr.recognition.mixed_resolution import CommonSpace
 from lrsr.training.common_space import (
-    MOST_CORRELATED,
+    _MOST_CORRELATED,
     Sides,
     judged_by_others,
     pair,
@@ -84,7 +84,7 @@ def test_what_differs_between_probes_of_one_person_is_discounted() -> None:
 
 def test_nothing_is_certain() -> None:
     probes = drawn()[0]
-    np.testing.assert_allclose(learned(probes, probes).correlations, MOST_CORRELATED, rtol=1e-6)
+    np.testing.assert_allclose(learned(probes, probes).correlations, _MOST_CORRELATED, rtol=1e-6)
 
 
 @pytest.mark.parametrize("dimension", [0, 4])

@@ -15,7 +15,7 @@ from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.render import filmed
 from lrsr.presets import preset
 from lrsr.recognition.mixed_resolution import MixedResolution as Recogniser
-from lrsr.recognition.mixed_resolution import side_px
+from lrsr.recognition.mixed_resolution import _side_px
 from lrsr.rendering.lens import PINHOLE
 from lrsr.rendering.pose import FRONTAL
 from lrsr.rendering.scene import Quality
@@ -65,8 +65,8 @@ def test_either_side_has_its_own_pixels_and_every_probe_its_owner(cache: RenderC
     data.prepare_data()
     data.setup()
     met = data.training
-    assert met.probes.shape == (30 * 2 * 2, side_px(8) ** 2)
-    assert met.gallery.shape == (30, side_px(16) ** 2)
+    assert met.probes.shape == (30 * 2 * 2, _side_px(8) ** 2)
+    assert met.gallery.shape == (30, _side_px(16) ** 2)
     first = data.probes(data.people)
     assert [recipe.person.index for recipe in first] == met.people[:60].tolist()
     assert np.bincount(met.people).tolist() == [4] * 30

@@ -25,13 +25,13 @@ def keys(distance_px: torch.Tensor) -> torch.Tensor:
     return torch.where(x < 1, near, torch.where(x < 2, far, torch.zeros_like(x)))
 
 
-def three_taps(scale: int) -> list[torch.Tensor]:
+def _three_taps(scale: int) -> list[torch.Tensor]:
     """Return what each of ``scale`` pixels takes of the pixel that it comes from and of two beside.
 
     Bicubic takes four; the farthest, which three cannot hold, is given to its neighbour.
 
     Example:
-        >>> [taps.tolist() for taps in three_taps(2)]
+        >>> [taps.tolist() for taps in _three_taps(2)]
         [[0.203125, 0.8671875, -0.0703125], [-0.0703125, 0.8671875, 0.203125]]
     """
     places = [(pixel + 0.5) / scale - 0.5 for pixel in range(scale)]
@@ -57,7 +57,7 @@ def let_colours_pass(layer: nn.Module) -> None:
 def let_colours_grow(layer: nn.Module, scale: int) -> None:
     """Let a 3x3 convolution before a pixel shuffle enlarge features 0 to 2 bicubically."""
     for colour in range(_COLOURS):
-        for place, (down, right) in enumerate(product(three_taps(scale), repeat=2)):
+        for place, (down, right) in enumerate(product(_three_taps(scale), repeat=2)):
             kernel = torch.outer(down, right)
             _let_through(layer, colour, scale**2 * colour + place, kernel)
 

@@ -6,11 +6,11 @@ from torch import nn
 
 from lrsr.images import resize_bicubic
 from lrsr.sr.networks.near_bicubic import (
+    _three_taps,
     keys,
     let_colours_grow,
     let_colours_pass,
     quieten,
-    three_taps,
 )
 
 
@@ -24,7 +24,7 @@ def test_keys_is_the_hermite_spline_through_one_pixel() -> None:
 
 @pytest.mark.parametrize("scale", [2, 3, 4])
 def test_taps_keep_a_flat_picture_and_a_slope(scale: int) -> None:
-    for pixel, taps in enumerate(three_taps(scale)):
+    for pixel, taps in enumerate(_three_taps(scale)):
         assert float(taps.sum()) == pytest.approx(1.0)
         place = (pixel + 0.5) / scale - 0.5
         assert float(taps @ torch.tensor([-1.0, 0.0, 1.0])) == pytest.approx(place, abs=0.08)
