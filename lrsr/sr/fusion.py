@@ -121,7 +121,7 @@ class ShiftAndAdd(_Fusion):
     """The picture that, seen as the camera sees, is nearest to all frames by the sum of deviations.
 
     Farsiu, Robinson, Elad and Milanfar, "Fast and robust multiframe super resolution", IEEE TIP
-    13(10), 2004, section II-E: steepest descent on
+    13(10), 2004, section II-E: steepest descent on ::
 
         sum_k |D H F_k X - Y_k| / N  +  weight * sum_{l, m} decay^(|l| + |m|) |X - S_x^l S_y^m X|
 
