@@ -269,6 +269,11 @@ def run_fit_camera(config: "DictConfig") -> Path:
         return fit_to_folder(settings, folder, cache=_cache(config))
 
 
+def _those_of(config: "DictConfig", group: str) -> list[Any]:
+    """Build the members of a group that are not null."""
+    return [one for one in build(config[group], group).values() if one is not None]
+
+
 def run_train(config: "DictConfig") -> Path:
     """Train the network of ``conf/train/NAME.yaml``; see :mod:`lrsr.training.run`.
 
@@ -316,8 +321,8 @@ def run_train(config: "DictConfig") -> Path:
             data,
             folder=folder,
             trainer=build(config.trainer, "trainer"),
-            callbacks=list(build(config.callbacks, "callbacks").values()),
-            loggers=list(build(config.logger, "logger").values()),
+            callbacks=_those_of(config, "callbacks"),
+            loggers=_those_of(config, "logger"),
             seed=seed_of(config),
             resume=resume,
             depends_on=depends_on,

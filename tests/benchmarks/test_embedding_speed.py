@@ -7,21 +7,21 @@ CPU milliseconds a face and the ratio to the named reference, timed in the same 
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 import cv2
 import numpy as np
 import pytest
 import torch
-from lrsr.recognition.arcface import ArcFaceModule
-from lrsr.recognition.backbone import Backbone
-from lrsr.recognition.degradation import Degradation
-from lrsr.recognition.export import export_embedder
-from lrsr.recognition.training import has_bfloat16
 from pytest_benchmark.fixture import BenchmarkFixture
 
+from lrsr.paths import asset
 from lrsr.recognition.alignment import TEMPLATE_PX, align, fit_similarities
 from lrsr.recognition.embedding import Embedder
+from lrsr.training.backbone import Backbone
+from lrsr.training.degradation import Degradation
+from lrsr.training.identification import Identification
+from lrsr.training.precision import choose_precision
 
 COUNT = 128
 GENERATOR = torch.Generator().manual_seed(0)
@@ -54,10 +54,9 @@ def test_alignment(benchmark: BenchmarkFixture) -> None:
 
 
 @pytest.mark.benchmark(group="embed")
-def test_embedding(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
+def test_embedding(benchmark: BenchmarkFixture) -> None:
     network = Backbone().eval()
-    export_embedder(network, tmp_path / "model.onnx", antialias=True, source="a benchmark")
-    embedder = Embedder(tmp_path / "model.onnx")
+    embedder = Embedder(asset("weights/arcface_small.onnx"))
 
     @torch.no_grad()
     def bare() -> None:
@@ -73,9 +72,12 @@ def test_embedding(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
 
 @pytest.mark.benchmark(group="learn")
 def test_training_step(benchmark: BenchmarkFixture) -> None:
-    module = ArcFaceModule(500, steps=9)
+    optimizer = partial(torch.optim.AdamW, lr=1e-3)
+    module = Identification(people=500, optimizer=optimizer, degradation=Degradation())
     people, sharp = torch.arange(COUNT), torch.arange(COUNT) % 2 == 0
     crops = CROPS.mul(255).to(torch.uint8)
+
+    has_bfloat16 = choose_precision("cpu")[0] == "bf16-mixed"
 
     def learn(faces: torch.Tensor, fast: bool) -> None:
         with torch.autocast("cpu", torch.bfloat16, enabled=fast):
@@ -83,12 +85,12 @@ def test_training_step(benchmark: BenchmarkFixture) -> None:
         loss.backward()
 
     def step() -> None:
-        faces = Degradation()(crops, sharp, np.random.default_rng(0))
-        learn(faces, has_bfloat16())
+        faces = module.degradation(crops, sharp, np.random.default_rng(0))
+        learn(faces, has_bfloat16)
 
     benchmark(step)
     ours, plain = cpu_ms(step), cpu_ms(lambda: learn(CROPS, False))
     sys.stdout.write(
-        f"\ntraining: {ours:.2f} ms a face with its degradation, bfloat16 {has_bfloat16()}; "
+        f"\ntraining: {ours:.2f} ms a face with its degradation, bfloat16 {has_bfloat16}; "
         f"{ours / plain:.2f} times the float32 step without degradation\n"
     )

@@ -7,7 +7,6 @@ tests of ``lrsr.rendering``.
 import sys
 from typing import Any
 
-import drjit
 import numpy as np
 from fakes.scenes import Studio
 from oracles.heads import stand_in
@@ -15,6 +14,8 @@ from oracles.heads import stand_in
 ASK: dict[str, Any] = {"lighting": "side", "ipd_px": 4, "samples_per_pixel": 16}
 
 if __name__ == "__main__":
+    import drjit  # not sooner: who imports it first, as doctests would, decides on the LLVM
+
     threads = drjit.thread_count()
     pictures = {
         lens: Studio().render(stand_in(0), lens=lens, shift_px=shift_px, **ASK).image.numpy()

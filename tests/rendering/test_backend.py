@@ -2,6 +2,7 @@
 
 import logging
 import os
+import re
 import subprocess
 import sys
 from functools import cache
@@ -219,3 +220,10 @@ def test_the_choice_is_logged_once(
 def test_importing_the_package_does_not_import_mitsuba() -> None:
     code = "import sys, lrsr.rendering, lrsr.rendering.scene; sys.exit('mitsuba' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True, env=dict(os.environ))
+
+
+def test_no_module_of_the_tests_imports_drjit_before_its_llvm_is_chosen() -> None:
+    """Doctests import every module, and who imports Dr.Jit first decides on the library."""
+    tests = Path(__file__).parents[1]
+    early = re.compile(r"^(import|from) (drjit|mitsuba)\b", re.MULTILINE)
+    assert [path for path in tests.rglob("*.py") if early.search(path.read_text())] == []

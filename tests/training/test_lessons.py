@@ -17,6 +17,7 @@ from lrsr.paths import config_folder
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.image_files import write_png
 from lrsr.presets import build
+from lrsr.tasks import _those_of
 from lrsr.training.lessons import read_lessons
 from lrsr.training.progress import Progress
 from lrsr.training.shrinking.bsrgan import Bsrgan
@@ -199,8 +200,8 @@ def test_so_many_people_validate_however_many_are_learned(tmp_path: Path) -> Non
 
 def test_callbacks_loggers_and_trainer_are_built(tmp_path: Path) -> None:
     config = composed("srcnn4x")
-    callbacks = build(config.callbacks, "callbacks").values()
-    assert [type(callback) for callback in callbacks] == [Progress]
+    assert [type(callback) for callback in _those_of(config, "callbacks")] == [Progress]
+    assert _those_of(composed("srcnn4x", "callbacks.progress=null"), "callbacks") == []
     logger = build(config.logger, "logger")["csv"](save_dir=str(tmp_path))
     assert isinstance(logger, CSVLogger)
     assert Path(logger.log_dir) == tmp_path / "csv" / "version_0"
