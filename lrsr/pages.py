@@ -21,7 +21,7 @@ DPI = 200
 COLOURS = ("#000000", "#56B4E9", "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC79A7", "#999999")
 """Okabe and Ito's palette, told apart with any kind of colour vision."""
 
-DASHES = ("-", (0, (1, 1)), "-", (0, (4, 1)), (0, (4, 1, 1, 1)), "-", (0, (2, 1)), (0, (6, 2)))
+_DASHES = ("-", (0, (1, 1)), "-", (0, (4, 1)), (0, (4, 1, 1, 1)), "-", (0, (2, 1)), (0, (6, 2)))
 """A second way to tell lines apart, for grey print."""
 
 STYLE = {
@@ -38,6 +38,24 @@ STYLE = {
     "legend.frameon": False,
     "figure.facecolor": "white",
 }
+
+
+def line_style(number: int) -> dict[str, Any]:
+    """Return colour and dashes of a plot's line, as matplotlib takes them.
+
+    The lines 0 to 47 differ: after eight, each colour comes with its next dashes.
+
+    Args:
+        number: Of the line, >= 0.
+
+    Example:
+        >>> line_style(0) == line_style(8)
+        False
+    """
+    again, place = divmod(number, len(COLOURS))
+    kinds = tuple(dict.fromkeys(_DASHES))
+    dashes = kinds[(kinds.index(_DASHES[place]) + again) % len(kinds)]
+    return {"color": COLOURS[place], "linestyle": dashes}
 
 
 def write_page(folder: Path, name: str, *, versions: Mapping[str, str], **content: Any) -> Path:

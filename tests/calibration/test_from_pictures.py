@@ -14,7 +14,6 @@ from fakes.painted import PaintedMaker
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from lrsr.calibration import fit as fitting
 from lrsr.calibration import from_pictures
 from lrsr.calibration.fit import Fit, Fitted
 from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
@@ -99,15 +98,13 @@ def images(tmp_path_factory: pytest.TempPathFactory, hidden: Mapping[str, Any]) 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory, images: Path) -> Path:
     run = tmp_path_factory.mktemp("run")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(fitting, "_SETTLINGS", (1,))  # how near it comes is asked in test_fit.py
-        return fit_to_folder(
-            settings(images),
-            run,
-            cache=RenderCache(run / "cache"),
-            maker=PaintedMaker(),
-            progress=False,
-        )
+    return fit_to_folder(
+        settings(images),
+        run,
+        cache=RenderCache(run / "cache"),
+        maker=PaintedMaker(),
+        progress=False,
+    )
 
 
 def test_the_preset_is_a_camera_like_the_hidden_one(

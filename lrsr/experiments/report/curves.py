@@ -18,7 +18,7 @@ from lrsr.evaluation.discard import DiscardCurve
 from lrsr.evaluation.likelihood import ECE_ODDS, TIPPETT_LLRS, Curve, Evidence
 from lrsr.evaluation.rates import CmcCurve
 from lrsr.evaluation.roc import RocCurve
-from lrsr.pages import COLOURS, DASHES, DPI, STYLE, data_uri, png_bytes
+from lrsr.pages import DPI, STYLE, data_uri, line_style, png_bytes
 
 _RATES = (1e-5, 1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.99)
 _GENUINE, _IMPOSTOR, _BEST = "#0072B2", "#D55E00", "#009E73"
@@ -102,7 +102,7 @@ def draw_discard(found: Mapping[str, Mapping[str, DiscardCurve]]) -> str:
 
     def draw(axes: Axes, curves: Mapping[str, DiscardCurve]) -> None:
         for number, (label, curve) in enumerate(curves.items()):
-            style = _style(number)
+            style = line_style(number)
             places = np.append(curve.discarded, curve.discarded[-1])
             axes.step(places[:-1], curve.fnmr, where="post", label=label, **style)
             if len(curves) == 1:
@@ -145,7 +145,7 @@ def _draw_det(axes: Axes, curves: Mapping[str, RocCurve]) -> None:
         # An error of 0 has no place on such an axis: half an error stands for it.
         fmr = np.clip(curve.fmr, 0.5 / curve.n_impostor, 1 - 0.5 / curve.n_impostor)
         fnmr = np.clip(curve.fnmr, 0.5 / curve.n_genuine, 1 - 0.5 / curve.n_genuine)
-        axes.plot(ndtri(fmr), ndtri(fnmr), label=label, zorder=3 + number, **_style(number))
+        axes.plot(ndtri(fmr), ndtri(fnmr), label=label, zorder=3 + number, **line_style(number))
     axes.plot([-5, 5], [-5, 5], color="#999999", linewidth=0.6, linestyle=":", zorder=1)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(FixedLocator(list(ndtri(_RATES))))
@@ -164,7 +164,7 @@ def _draw_cmc(axes: Axes, ranks: Mapping[str, CmcCurve]) -> None:
     for number, (label, curve) in enumerate(ranks.items()):
         places = np.arange(1, curve.hit_rate.size + 1)
         named = f"{label}  {100 * curve.rank_1:.1f} %"
-        axes.step(places, curve.hit_rate, where="post", label=named, **_style(number))
+        axes.step(places, curve.hit_rate, where="post", label=named, **line_style(number))
     if last > 20:
         axes.set(xscale="log")
     axes.xaxis.set_major_formatter(FuncFormatter(lambda place, _: f"{place:g}"))
@@ -178,11 +178,6 @@ def _draw_cmc(axes: Axes, ranks: Mapping[str, CmcCurve]) -> None:
 def _draw_band(axes: Axes, places: NDArray[np.float64], curve: Curve, colour: str) -> None:
     if curve.low is not None and curve.high is not None:
         axes.fill_between(places, curve.low, curve.high, color=colour, alpha=0.15, linewidth=0)
-
-
-def _style(number: int) -> dict[str, Any]:
-    dashes = DASHES[number % len(DASHES)]
-    return {"color": COLOURS[number % len(COLOURS)], "linestyle": dashes}
 
 
 def _percent(place: float) -> str:

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from lrsr.evaluation.roc import RocCurve, band
-from lrsr.pages import COLOURS, DASHES, DPI, STYLE, data_uri, png_bytes
+from lrsr.pages import DPI, STYLE, data_uri, line_style, png_bytes
 
 
 def draw_roc(curves: Mapping[str, RocCurve], level: float = 0.95) -> str:
@@ -109,11 +109,10 @@ def draw_angles(angles_deg: ArrayLike, smallest_angle_deg: float, encoder: str) 
 
 
 def _draw_curve(axes: Axes, curve: RocCurve, label: str, number: int, level: float) -> None:
-    colour, dashes = COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
+    style = line_style(number)
     limits = band(curve, level)
     # Low holds up to the next FMR, high down to the one before: draw both as steps.
     fmr = np.repeat(limits.fmr, 2)[1:-1]
     low, high = np.repeat(limits.low, 2)[:-2], np.repeat(limits.high, 2)[2:]
-    axes.fill_between(fmr, low, high, color=colour, alpha=0.10, linewidth=0, zorder=2)
-    line: dict[str, Any] = {"color": colour, "linestyle": dashes, "zorder": 3 + number}
-    axes.plot(curve.fmr, curve.tmr, label=label, **line)
+    axes.fill_between(fmr, low, high, color=style["color"], alpha=0.10, linewidth=0, zorder=2)
+    axes.plot(curve.fmr, curve.tmr, label=label, zorder=3 + number, **style)

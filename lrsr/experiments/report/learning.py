@@ -6,7 +6,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from lrsr.pages import COLOURS, DASHES, DPI, STYLE, png_bytes
+from lrsr.pages import DPI, STYLE, line_style, png_bytes
 
 
 def draw_learning(curves: Mapping[str, Sequence[float]], quantity: str) -> bytes:
@@ -23,11 +23,10 @@ def draw_learning(curves: Mapping[str, Sequence[float]], quantity: str) -> bytes
         figure = Figure(figsize=(7.2, 3.6), dpi=DPI, layout="constrained")
         axes = figure.subplots()
         for number, (label, values) in enumerate(curves.items()):
-            colour, dashes = COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
-            epochs = range(1, len(values) + 1)
-            axes.plot(epochs, values, color=colour, linestyle=dashes, label=label)
+            style, epochs = line_style(number), range(1, len(values) + 1)
+            axes.plot(epochs, values, label=label, **style)
             best = max(epochs, key=lambda epoch: values[epoch - 1])
-            axes.plot(best, values[best - 1], "o", color=colour, markersize=4)
+            axes.plot(best, values[best - 1], "o", color=style["color"], markersize=4)
         axes.set(xlabel="Epoch", ylabel=quantity)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.grid(visible=True)

@@ -23,12 +23,14 @@ from lrsr.experiments.table import WRONG_PLACE_IPDS
 from lrsr.pages import encode_face, write_page
 
 _LIKENESS = (
-    ("psnr_y_db", "PSNR&#8209;Y <small>dB</small>", "%.2f"),
-    ("ssim_y", "SSIM&#8209;Y", "%.3f"),
-    ("identity_similarity", "Identity", "%.3f"),
-    ("lpips", "LPIPS", "%.3f"),
+    ("psnr_y_db", "PSNR&#8209;Y <small>dB</small>", "{:.2f}"),
+    ("ssim_y", "SSIM&#8209;Y", "{:.3f}"),
+    ("identity_similarity", "Identity", "{:.3f}"),
+    ("lpips", "LPIPS", "{:.3f}"),
+    ("wrong_place", "Wrong place", "{:.1%}"),
+    ("landmark_distance_ipds", "Landmarks off <small>IPD</small>", "{:.3f}"),
 )
-"""Of a method's pictures to the true references: name in a row, in the table, and format."""
+"""Of a method's pictures beside the truth: name in a row, in the table, and format."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,6 @@ def write_report(
         level=f"{100 * config['level']:g} %",
         against=[dict(some) for some in (others[:1], others[1:]) if some],  # the first is Base
         likeness=[one for one in _LIKENESS if any(row.get(one[0]) is not None for row in rows)],
-        shows_places=any(row.get("wrong_place") is not None for row in rows),
         boot=any(row.get("bootstrap_low") is not None for row in rows),
         partial=next((p["max_fmr"] for row in rows for p in row.get("partial_auc", ())), None),
         target_fmrs=[f"{p['target_fmr']:g}" for p in max((row["fnmr"] for row in rows), key=len)],

@@ -12,7 +12,7 @@ from matplotlib.image import imread
 
 from lrsr.experiments.report import figures
 from lrsr.experiments.report.figures import draw_intervals, draw_roc
-from lrsr.pages import COLOURS, DASHES
+from lrsr.pages import line_style
 
 
 def decode(uri: str) -> np.ndarray:
@@ -62,7 +62,9 @@ def test_an_interval_plot_shows_no_areas_that_cannot_be(
 
 
 def test_every_line_differs_in_colour_or_dashes() -> None:
-    assert len(set(COLOURS)) == len(COLOURS) == len(DASHES)
+    styles = [line_style(number) for number in range(48)]
+    assert len({(style["color"], style["linestyle"]) for style in styles}) == 48
+    assert len({style["color"] for style in styles[:8]}) == 8
 
 
 def test_drawing_leaves_the_users_plot_settings_alone() -> None:

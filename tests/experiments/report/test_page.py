@@ -263,7 +263,7 @@ def test_landmarks_of_two_sources_have_a_table_part_a_sentence_and_a_figure_each
     panel = Panel("Option 1", {"shared": curves, "own": curves})
     text = Page(render_html(both_sources(), panel)).text
     for landmarks in ("shared", "own"):
-        assert text.count(f"Option 1, IPD 8 px, {landmarks} landmarks") == 3
+        assert text.count(f"Option 1, IPD 8 px, {landmarks} landmarks") == 4
         assert f"{landmarks} landmarks: the highest AUC is that of SR 4" in text
         assert f"ROC curves with {landmarks} landmarks" in text
     assert "12.5%" in text  # in a wrong place
