@@ -101,7 +101,7 @@ def test_several_recognisers_have_a_table_each(tmp_path: Path, tone_model: Path)
     assert results["rows"][0]["d_prime"] != results["rows"][6]["d_prime"]
     page = (folder / "report.html").read_text()
     for name in ("shipped", "tones"):
-        assert page.count(f"<h3>Recogniser: {name}</h3>") == 2
+        assert page.count(f"<h3>Recogniser: {name}</h3>") == 3
         assert f"<h2>{name}. Option 6" in page
     assert page.count("<h3>Faces</h3>") == 2
     assert "its figures do not say how well people can be recognised" in page
