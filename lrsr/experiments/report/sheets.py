@@ -1,5 +1,6 @@
 """What do people look like side by side? Sheets of faces as PNG files, pixels left square."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -13,7 +14,9 @@ from lrsr.pages import png_bytes
 
 _TILE_PX = 128
 _GAP_PX = 4
-_HEADING_PX = 24
+_HEADING_PX = 24  # of one line
+_FURTHER_PX = 17  # of each line more
+_LETTERS = 17  # that fit above a tile
 _LINE_PX = 20
 _DPI = 128  # a power of two: no pixel is lost on the way through inches and back
 
@@ -34,13 +37,15 @@ def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
         sizes = {heading: len(column) for heading, column in pictures.items()}
         raise ImageContractError(f"contact sheet: got {sizes}, wanted as many people in each")
     people, step = len(next(iter(pictures.values()))), _TILE_PX + _GAP_PX
-    sheet = np.ones((_HEADING_PX + people * step + _GAP_PX, len(pictures) * step + _GAP_PX, 3))
+    headings = [textwrap.wrap(heading, _LETTERS) for heading in pictures]
+    top = _HEADING_PX + _FURTHER_PX * (max(map(len, headings)) - 1)
+    sheet = np.ones((top + people * step + _GAP_PX, len(pictures) * step + _GAP_PX, 3))
     words = []
-    for number, (heading, column) in enumerate(pictures.items()):
+    for number, (lines, column) in enumerate(zip(headings, pictures.values(), strict=True)):
         x = _GAP_PX + number * step
-        words.append((heading, x + _TILE_PX / 2, _HEADING_PX / 2, 7.8))
+        words.append(("\n".join(lines), x + _TILE_PX / 2, top / 2, 7.8))
         for row, tile in enumerate(_tiles(column)):
-            y = _HEADING_PX + _GAP_PX + row * step
+            y = top + _GAP_PX + row * step
             sheet[y : y + _TILE_PX, x : x + _TILE_PX] = tile.permute(1, 2, 0)
     return _draw(sheet, words)
 

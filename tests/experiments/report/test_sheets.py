@@ -50,6 +50,16 @@ def test_the_sheet_is_as_large_as_its_pictures(columns: int, people: int) -> Non
     assert sheet.shape == (_HEADING_PX + people * step + _GAP_PX, columns * step + _GAP_PX, 3)
 
 
+def test_a_long_heading_stays_above_its_column() -> None:
+    black = torch.zeros(1, 3, 4, 4)
+    long = "Mean of embeddings + Bicubic 4, 4 frames"
+    png = draw_contact_sheet({"": black, long: black, " ": black})
+    sheet = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_GRAYSCALE)
+    top = len(sheet) - 2 * _GAP_PX - _TILE_PX
+    columns = np.flatnonzero((sheet[:top] < 128).any(axis=0))
+    assert _TILE_PX + 2 * _GAP_PX <= columns.min() < columns.max() < 2 * (_TILE_PX + _GAP_PX)
+
+
 def test_columns_must_show_the_same_people() -> None:
     with pytest.raises(ImageContractError, match="as many people"):
         draw_contact_sheet({"a": torch.zeros(1, 3, 4, 4), "b": torch.zeros(2, 3, 4, 4)})
