@@ -16,11 +16,22 @@ def test_srcnn_beats_bicubic_on_people_it_was_not_trained_on(scale: int) -> None
     assert record["recipe"]["scale"] == scale
 
 
+@pytest.mark.parametrize("kind", ["", "_camera"])
 @pytest.mark.parametrize("scale", [2, 4])
-def test_srcnn_weights_are_small_and_for_their_scale(scale: int) -> None:
-    path = asset(f"weights/srcnn{scale}x.safetensors")
+def test_srcnn_weights_are_small_and_for_their_scale(scale: int, kind: str) -> None:
+    path = asset(f"weights/srcnn{scale}x{kind}.safetensors")
     assert path.stat().st_size < 40_000
     assert read_weights(path)[1].scale == scale
+
+
+@pytest.mark.parametrize("scale", [2, 4])
+def test_camera_aware_srcnn_is_the_best_epoch_of_its_record(scale: int) -> None:
+    record = json.loads(asset(f"weights/srcnn{scale}x_camera.json").read_text())
+    best = max(record["history"], key=lambda epoch: epoch["val/psnr_y_db"])
+    assert record["best"] == best
+    assert best["val/gain_over_bicubic_db"] > 0.5
+    made_by = read_weights(asset(f"weights/srcnn{scale}x_camera.safetensors"))[1].lr_made_by
+    assert "JPEG 15 to 95" in made_by
 
 
 def test_embedder_is_the_one_of_its_record() -> None:

@@ -19,7 +19,10 @@ from lrsr.sr.networks.srcnn import SRCNN
 from lrsr.sr.upscaler import Luminance, Repeated, Rgb
 from lrsr.sr.weights import ENLARGED_BY, Card, read_weights
 
-METHODS = ("base", "bicubic2", "bicubic3", "bicubic4", "srcnn2", "srcnn2x2", "srcnn4")
+METHODS = (
+    *("base", "bicubic2", "bicubic3", "bicubic4"),
+    *("srcnn2", "srcnn2x2", "srcnn4", "srcnn2_camera", "srcnn4_camera"),
+)
 OWN = {
     "srcnn3": ("srcnn", "SR 3"),
     **{f"srcnn955_{scale}": ("srcnn", f"SRCNN 9-5-5 {scale}") for scale in (2, 3, 4)},
@@ -63,6 +66,8 @@ def faces() -> torch.Tensor:
         ("srcnn2", "SR 2", 2),
         ("srcnn2x2", "SR 2x2", 4),
         ("srcnn4", "SR 4", 4),
+        ("srcnn2_camera", "SR 2 camera", 2),
+        ("srcnn4_camera", "SR 4 camera", 4),
     ],
 )
 def test_method_has_its_label_and_scale(
