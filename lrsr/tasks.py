@@ -70,6 +70,26 @@ def run_score(config: "DictConfig") -> Path:
         return scoring.run(folder)
 
 
+def run_compare(config: "DictConfig") -> Path | None:
+    """Print how alike two pictures are, and what that is worth; see :mod:`lrsr.experiments.pair`.
+
+    Returns:
+        The file of the result, if ``out`` names one.
+
+    Raises:
+        InputError: A setting is wrong, a picture cannot be read, or the scores do not fit.
+    """
+    from hydra.core.hydra_config import HydraConfig  # loaded by then
+
+    from lrsr.experiments.pair import PairComparison, lines_of
+
+    chosen = str(HydraConfig.get().runtime.choices["sr"])
+    asked = PairComparison.from_config(config, method=chosen)
+    for line in lines_of(asked.run()):
+        sys.stdout.write(f"{line}\n")
+    return asked.out
+
+
 def run_upscale(config: "DictConfig") -> Path:
     """Enlarge pictures; see :mod:`lrsr.experiments.upscaling`.
 
