@@ -44,7 +44,8 @@ def run_eval(config: "DictConfig") -> Path:
 
     _refuse_unread(config)
     kind: Any = get_class(str(config._target_))
-    if unread := getattr(kind, "unread", ()):
+    unread = getattr(kind, "unread", ())
+    if unread := unread(config) if callable(unread) else unread:
         _refuse(unread, f"experiment={config.name} does not read it; leave it")
     experiment = kind.from_config(config)
     with run_folder(config) as folder:

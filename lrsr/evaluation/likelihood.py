@@ -10,7 +10,7 @@ value for the two that pooling takes part in.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -176,8 +176,14 @@ def cross_entropy(genuine_llr: ArrayLike, impostor_llr: ArrayLike, odds: ArrayLi
 
 def split_people(source: ScoreSource, seed: int) -> tuple[list[str], list[str]]:
     """Part people at random into development and test; equal people and seeds, equal halves."""
-    ids = {*source.probe_ids, *(source.gallery_ids if source.people_known else ())}
-    people = sorted(ids)
+    return split_ids(
+        {*source.probe_ids, *(source.gallery_ids if source.people_known else ())}, seed
+    )
+
+
+def split_ids(ids: Iterable[str], seed: int) -> tuple[list[str], list[str]]:
+    """Part people at random as :func:`split_people` does; in which order they come is the same."""
+    people = sorted({*ids})
     order = np.random.default_rng(seed).permutation(len(people))
     half = len(people) // 2
     parts = order[:half], order[half:]
@@ -207,9 +213,8 @@ def weigh_evidence(
     Raises:
         ScoreError: No such calibration, or fewer than ten people with a genuine score in a half.
     """
-    halves = [source.restricted(people) for people in split_people(source, seed)]
-    asked = {"bootstrap": bootstrap, "seed": seed}
-    return judge_evidence(*halves, calibration, **asked, level=level)
+    learn, judge = (source.restricted(people) for people in split_people(source, seed))
+    return judge_evidence(learn, judge, calibration, bootstrap=bootstrap, seed=seed, level=level)
 
 
 def judge_evidence(

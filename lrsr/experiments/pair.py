@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Self
 
 from lrsr.configuration import as_mapping, as_word, number, require, seed_of, whole_number, words
 from lrsr.errors import ScoreError
-from lrsr.evaluation.calibrators import CALIBRATORS
 from lrsr.evaluation.ratio import Ratio, ratio_of
 from lrsr.evaluation.score_files.reading import read_scores
 from lrsr.evaluation.score_files.system import Name
@@ -102,11 +101,7 @@ class PairComparison:
     out: Path | None = None
 
     def __post_init__(self) -> None:
-        asked, among = self.asked, self.among
-        require(0 < asked.level < 1, "level", asked.level, "between 0 and 1")
-        require(asked.bootstrap >= 0, "bootstrap", asked.bootstrap, "0 or more draws")
-        known = f"one of {', '.join(CALIBRATORS)}"
-        require(asked.calibration in CALIBRATORS, "calibration", asked.calibration, known)
+        among = self.among
         told = self.recognition.landmarks == ("own",)
         require(told, "recognition.landmarks", "shared", "own: nobody knows any others")
         for part in ("option", "ipd_px", "method"):
@@ -183,8 +178,8 @@ class PairComparison:
                 }
             )
         pictures = []
-        for path, one in zip((self.pair.probe, self.pair.enrolled), seen, strict=True):
-            pictures.append({**one.describe(), "file": str(path)})
+        for path, shown in zip((self.pair.probe, self.pair.enrolled), seen, strict=True):
+            pictures.append({**shown.describe(), "file": str(path)})
             del pictures[-1]["identity_id"]  # nobody knows
         result = {
             "pictures": pictures,

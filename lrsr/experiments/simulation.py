@@ -1,0 +1,73 @@
+"""How would a case's recogniser score other people in its place? They are rendered and compared."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from lrsr.camera import Camera
+from lrsr.evaluation.likelihood import split_ids
+from lrsr.evaluation.score_files.system import Name, System
+from lrsr.experiments.systems import Comparer, Comparison
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.maker import Maker
+from lrsr.pictures.sitting import Sitting
+from lrsr.pictures.source import Rendered, render_sources
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """People before the case's camera, and before others.
+
+    Attributes:
+        probes: As in the case.
+        gallery: As they are enrolled.
+        camera: Of the case.
+        generic: By name, other ways to picture those who are calibrated on, by turns, by the
+            reference camera.
+        cache: Where renderings are kept.
+        maker: Renders; Mitsuba when None.
+        progress: Show bars.
+    """
+
+    probes: Sitting
+    gallery: Sitting
+    camera: Camera
+    generic: Mapping[str, Sequence[Sitting]]
+    cache: RenderCache
+    maker: Maker | None = None
+    progress: bool = True
+
+    def render(self) -> int:
+        """Render whatever the cache lacks; return how many pictures that were."""
+        generic = [self.generic_probes(name) for name in self.generic]
+        return render_sources([self.enrolled, self.seen, *generic])
+
+    @property
+    def seen(self) -> Rendered:
+        """Everybody as in the case."""
+        return self._rendered(self.probes, self.camera)
+
+    @property
+    def enrolled(self) -> Rendered:
+        """Everybody's enrolled picture."""
+        return self._rendered(self.gallery, self.camera.clean())
+
+    def generic_probes(self, name: str) -> Rendered:
+        """Return those who are calibrated on, in one of some ways, by turns."""
+        ways, everybody = self.generic[name], self.probes.people.people()
+        chosen = {*split_ids([person.id for person in everybody], self.probes.seed)[0]}
+        people = [person for person in everybody if person.id in chosen]
+        recipes = [ways[k % len(ways)].recipe(person) for k, person in enumerate(people)]
+        return Rendered(recipes, Camera(), self.cache, self.maker, self.progress)
+
+    def scores(self, comparer: Comparer) -> tuple[list[Comparison], dict[str, dict[Name, System]]]:
+        """Return how everybody scores in the case, and by name in each other way."""
+        ipd_px = self.probes.film.ipd_px
+        case = comparer.compare(self.seen, self.enrolled, ipd_px=ipd_px)
+        generic = {}
+        for name in self.generic:
+            found = comparer.compare(self.generic_probes(name), self.enrolled, ipd_px=ipd_px)
+            generic[name] = {one.name: one.system for one in found}
+        return case, generic
+
+    def _rendered(self, sitting: Sitting, camera: Camera) -> Rendered:
+        return Rendered(sitting.recipes(), camera, self.cache, self.maker, self.progress)
