@@ -1,7 +1,7 @@
 """On whose scores does a likelihood ratio stand? On those of a file that were made the same way."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +49,12 @@ def scores_file(path: Path, key: str = "scores") -> Path:
     raise InputError(f"{key}={path} holds no scores.csv: give a run's folder, or a file")
 
 
+def said_by(path: Path, name: Name) -> Name:
+    """Return what a file itself says of a system: one without a method is called after it."""
+    called_after = name.method == path.name.removesuffix(".gz").rpartition(".")[0]
+    return replace(name, method="") if called_after else name
+
+
 def choose_basis(path: Path, found: Mapping[Name, System], wanted: Name) -> Basis:
     """Choose the scores that were made as a wanted one.
 
@@ -61,12 +67,12 @@ def choose_basis(path: Path, found: Mapping[Name, System], wanted: Name) -> Basi
     Raises:
         InputError: None fits, or several do; the message says which there are.
     """
-    fit = dict(found)
+    fit, says = dict(found), {name: said_by(path, name) for name in found}
     for part in _PARTS:
         value = getattr(wanted, part)
-        if not value or not any(getattr(name, part) for name in found):
+        if not value or not any(getattr(name, part) for name in says.values()):
             continue
-        left = {name: one for name, one in fit.items() if getattr(name, part) == value}
+        left = {name: one for name, one in fit.items() if getattr(says[name], part) == value}
         if not left:
             there = ", ".join(sorted({getattr(name, part) or "none" for name in fit}))
             raise InputError(f"{path} has no scores of {part}={value}, but of {there}; give others")

@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+import torch
+
 from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
 from lrsr.camera.preset_file import build_camera, read_preset_file
 from lrsr.configuration import (
@@ -30,7 +32,7 @@ from lrsr.evaluation.score_files.writing import score_file
 from lrsr.evaluation.scores import ScoreSource
 from lrsr.evaluation.summary import summarise
 from lrsr.experiments.asked import Asked
-from lrsr.experiments.basis import choose_basis, scores_file
+from lrsr.experiments.basis import choose_basis, said_by, scores_file
 from lrsr.experiments.design import read_upscalers
 from lrsr.experiments.further import evidence_record
 from lrsr.experiments.pair import Pair, score_of
@@ -53,7 +55,6 @@ from lrsr.rendering.scene import Film, Scene
 from lrsr.sr.upscaler import Upscaler
 
 if TYPE_CHECKING:
-    import torch
     from omegaconf import DictConfig
 
 _SHOWN = 8
@@ -354,14 +355,20 @@ class Case:
             return case, {}
         path = scores_file(facts.generic, "case.generic")
         found = read_scores([path])
-        chosen = {name: choose_basis(path, found, _anywhere(name)).system for name in case}
+        chosen = {name: choose_basis(path, found, self._anywhere(name)).system for name in case}
         return case, {"generic": chosen}
 
     def _real_of(self, name: Name, real: Mapping[Name, System] | None) -> ScoreSource | None:
         if real is None or self.facts.real is None:
             return None
         path = scores_file(self.facts.real, "case.real")
-        return choose_basis(path, real, _anywhere(name)).system.source
+        return choose_basis(path, real, self._anywhere(name)).system.source
+
+    def _anywhere(self, name: Name) -> Name:
+        """Return what names a system whatever the pictures are, and whatever its file is called."""
+        scores = self.facts.scores
+        said = name if scores is None else said_by(scores_file(scores, "case.scores"), name)
+        return replace(said, option="", ipd_px="")
 
     def _row(self, name: Name, system: System) -> Record:
         asked, source = self.asked, system.source
@@ -407,14 +414,14 @@ def _faces(simulation: Simulation, facts: Facts) -> dict[str, Sequence[torch.Ten
     }
 
 
-def _anywhere(name: Name) -> Name:
-    """Return what names a system whatever the pictures are."""
-    return replace(name, option="", ipd_px="")
+def _alike(name: Name) -> tuple[str, str, str]:
+    """Return what the case's pair and simulated ones have in common."""
+    return name.recogniser, name.method, name.landmarks
 
 
 def _score_for(scores: Mapping[Name, float], name: Name) -> float | None:
     """Return the case's score by a system; None where there is none, or no face was found."""
-    found = {_anywhere(one): score for one, score in scores.items()}.get(_anywhere(name))
+    found = {_alike(one): score for one, score in scores.items()}.get(_alike(name))
     return None if found is None or math.isnan(found) else found
 
 
