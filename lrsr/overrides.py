@@ -42,6 +42,10 @@ _PATHS = {
     "lpips",
     "folder",
     "scores",
+    "generic_scores",
+    "real_scores",
+    "probe",
+    "enrolled",
 }
 _FOLDERS = ("gallery", "probes")
 """Sections whose ``folder`` may be given as if it were all of them."""

@@ -1,8 +1,5 @@
 """What is a score worth in this case? Other people are simulated in its place, and weighed."""
 
-import hashlib
-import json
-import logging
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -11,13 +8,9 @@ from typing import TYPE_CHECKING, Any, Self
 
 import torch
 
-from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
-from lrsr.camera.preset_file import build_camera, read_preset_file
+from lrsr.calibration.from_pictures import FitSettings
+from lrsr.camera.preset_file import build_camera
 from lrsr.configuration import (
-    as_list,
-    as_mapping,
-    as_number,
-    as_whole,
     as_word,
     flag,
     number,
@@ -34,24 +27,24 @@ from lrsr.evaluation.summary import summarise
 from lrsr.experiments.asked import Asked
 from lrsr.experiments.basis import choose_basis, said_by, scores_file
 from lrsr.experiments.design import read_upscalers
+from lrsr.experiments.facts import Facts, read_facts
+from lrsr.experiments.fitted import fit_once
 from lrsr.experiments.further import evidence_record
-from lrsr.experiments.pair import Pair, score_of
+from lrsr.experiments.pair import score_of
 from lrsr.experiments.report.case import write_case
-from lrsr.experiments.simulation import Simulation
+from lrsr.experiments.simulation import Simulation, read_generic
 from lrsr.experiments.systems import Comparer
 from lrsr.experiments.table import Record, area_record, counts_record, rates_record
 from lrsr.experiments.weighing import Weighed, weigh_case
-from lrsr.files import make_folder, write_json, write_text
-from lrsr.paths import path_if_any
+from lrsr.files import write_json
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.image_files import SUFFIXES, read_image
 from lrsr.pictures.maker import Maker
-from lrsr.pictures.sitting import Sitting, read_gallery, read_probes, read_quality
-from lrsr.presets import value_of
+from lrsr.pictures.sitting import Sitting, read_gallery, read_probes
 from lrsr.provenance import versions
 from lrsr.recognition.memory import Memory
 from lrsr.recognition.settings import RecognitionSettings
-from lrsr.rendering.scene import Film, Scene
+from lrsr.rendering.scene import Film
 from lrsr.sr.upscaler import Upscaler
 
 if TYPE_CHECKING:
@@ -65,51 +58,7 @@ _OF_THE_SIMULATION = (
     *("pose", "lighting", "ipd_px", "compression", "gallery", "recognition", "methods", "sr"),
     "generic",
 )
-_FILES = ("images", "probe", "enrolled", "scores", "generic", "real")
-_SCENE = ("pose", "lighting", "lens", "standpoint", "expression", "another_day")
 _PRESET = "case"
-_FITTED_FROM = "fitted_from.json"
-
-logger = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Facts:
-    """What is known of a case.
-
-    Attributes:
-        images: Folder of pictures by its camera; None: the camera is known.
-        part: Share of their sides that counts, as of ``lrsr fit-camera``.
-        rounds: Of the search for the camera.
-        score: Of its two pictures; None: not known, or not asked.
-        pair: Its two pictures, likewise.
-        scores: Of an engine of somebody's on simulated people; None: ours compares them.
-        generic: The same engine's scores of other pictures.
-        real: Scores of real people.
-
-    Raises:
-        InputError: Facts exclude each other.
-    """
-
-    images: Path | None = None
-    part: float = 0.75
-    rounds: int = 12
-    score: float | None = None
-    pair: Pair | None = None
-    scores: Path | None = None
-    generic: Path | None = None
-    real: Path | None = None
-
-    def __post_init__(self) -> None:
-        if self.score is not None:
-            require(self.pair is None, "case.score", self.score, "null where case.probe is given")
-        if self.scores is None:
-            wish = "case.scores besides: both are of one engine"
-            require(self.generic is None, "case.generic", self.generic, wish)
-            return
-        for name in ("images", "pair"):
-            wish = "null where case.scores is given: give case.score"
-            require(getattr(self, name) is None, f"case.{name}", "...", wish)
 
 
 @dataclass(frozen=True)
@@ -188,10 +137,10 @@ class Case:
         return cls(
             name=as_word(config.name, "name"),
             question=as_word(config.question, "question"),
-            facts=_read_facts(config),
+            facts=read_facts(config),
             probes=probes,
             gallery=read_gallery(config),
-            generic=_read_generic(config, probes),
+            generic=read_generic(config, probes),
             camera=OmegaConf.to_container(config.camera, resolve=True),  # type: ignore[arg-type]  # a mapping
             compression=as_word(config.compression, "compression"),
             upscalers=read_upscalers(config),
@@ -225,7 +174,11 @@ class Case:
             InputError: A file or a folder is wrong, or no camera like the pictures' was found.
         """
         facts = self.facts
-        real = None if facts.real is None else read_scores([scores_file(facts.real, "case.real")])
+        real = (
+            None
+            if facts.real_scores is None
+            else read_scores([scores_file(facts.real_scores, "case.real_scores")])
+        )
         faces: Mapping[str, Any] = {}
         pair: list[Record] = []
         about: dict[str, Any] = {}
@@ -311,57 +264,36 @@ class Case:
     ) -> Simulation:
         camera = self.camera
         if self.facts.images is not None:
-            camera = self._fitted(folder / "camera", self.facts.images, cache, maker, progress)
+            settings = FitSettings(
+                self.facts.images,
+                camera,
+                self.probes,  # those who are simulated are the strangers who are photographed
+                _PRESET,
+                self.probes.film.ipd_px,
+                self.facts.part,
+                self.facts.rounds,
+            )
+            camera = fit_once(settings, folder / "camera", cache, maker, progress=progress)
         taken = build_camera(camera).compressing(self.compression)
         shared = (self.generic, cache, maker, progress)
         return Simulation(self.probes, self.gallery, taken, *shared)
-
-    def _fitted(
-        self, folder: Path, images: Path, cache: RenderCache, maker: Maker | None, progress: bool
-    ) -> Mapping[str, Any]:
-        """Return the camera of the case's pictures: an earlier run's, where that saw the same.
-
-        Those who are simulated are the strangers whom the search photographs.
-        """
-        facts, preset = self.facts, folder / f"{_PRESET}.yaml"
-        settings = FitSettings(
-            images,
-            self.camera,
-            self.probes,
-            _PRESET,
-            self.probes.film.ipd_px,
-            facts.part,
-            facts.rounds,
-        )
-        files = sorted(one for one in images.glob("*") if one.suffix.lower() in SUFFIXES)
-        seen = {one.name: hashlib.sha256(one.read_bytes()).hexdigest() for one in files}
-        asked = {"seen": seen, "part": facts.part, "rounds": facts.rounds}
-        asked |= {"camera": self.camera, "strangers": self.probes.describe()}
-        said, record = json.dumps(asked, sort_keys=True), folder / _FITTED_FROM
-        if not (preset.is_file() and record.is_file() and record.read_text() == said):
-            record.unlink(missing_ok=True)
-            fit_to_folder(
-                settings, make_folder(folder), cache=cache, maker=maker, progress=progress
-            )
-            write_text(record, said)
-        return read_preset_file(preset)
 
     def _imported(self) -> tuple[dict[Name, System], dict[str, dict[Name, System]]]:
         """Return the scores of somebody's engine, and those of other pictures for each system."""
         facts = self.facts
         path = scores_file(facts.scores or Path(), "case.scores")
         case = dict(read_scores([path]))
-        if facts.generic is None:
+        if facts.generic_scores is None:
             return case, {}
-        path = scores_file(facts.generic, "case.generic")
+        path = scores_file(facts.generic_scores, "case.generic_scores")
         found = read_scores([path])
         chosen = {name: choose_basis(path, found, self._anywhere(name)).system for name in case}
         return case, {"generic": chosen}
 
     def _real_of(self, name: Name, real: Mapping[Name, System] | None) -> ScoreSource | None:
-        if real is None or self.facts.real is None:
+        if real is None or self.facts.real_scores is None:
             return None
-        path = scores_file(self.facts.real, "case.real")
+        path = scores_file(self.facts.real_scores, "case.real_scores")
         return choose_basis(path, real, self._anywhere(name)).system.source
 
     def _anywhere(self, name: Name) -> Name:
@@ -436,51 +368,3 @@ def _ratios(about: Record, found: Weighed) -> Iterator[Record]:
     """Yield what the case's score is worth by each calibration."""
     for basis, one in found.ratios.items():
         yield {**about, "calibrated_on": basis, **asdict(one)}
-
-
-def _read_facts(config: "DictConfig") -> Facts:
-    """Read the section ``case``.
-
-    Raises:
-        InputError: A value is wrong.
-    """
-    given = config.case
-    files = {key: path_if_any(given[key], f"case.{key}") for key in _FILES}
-    both = [key for key in ("probe", "enrolled") if files[key] is not None]
-    wish = "both case.probe and case.enrolled, or neither"
-    require(len(both) != 1, f"case.{both[0] if both else ''}", "...", wish)
-    probe, enrolled = files.pop("probe"), files.pop("enrolled")
-    return Facts(
-        **files,
-        part=as_number(given.part, "case.part"),
-        rounds=as_whole(given.rounds, "case.rounds"),
-        score=None if given.score is None else as_number(given.score, "case.score"),
-        pair=None if probe is None or enrolled is None else Pair(probe, enrolled),
-    )
-
-
-def _read_generic(config: "DictConfig", probes: Sitting) -> dict[str, tuple[Sitting, ...]]:
-    """Read the ways in which people are pictured who know nothing of the case.
-
-    Raises:
-        InputError: A value is wrong.
-    """
-    found = {}
-    for name, ways in as_mapping(config.generic, "generic").items():
-        sittings = []
-        for k, way in enumerate(as_list(ways, f"generic.{name}")):
-            place = f"generic.{name}.{k}"
-            node = dict(as_mapping(way, place))
-            ipd_px = as_number(node.pop("ipd_px", probes.film.ipd_px), f"{place}.ipd_px")
-            require(ipd_px >= 4, f"{place}.ipd_px", ipd_px, "at least 4")
-            for group in node:
-                known = f"one of ipd_px, {', '.join(_SCENE)}"
-                require(group in _SCENE, place, group, known)
-            scene = Scene(**{"lighting": value_of("lighting", "frontal")} | {
-                group: value_of(group, node[group]) for group in node
-            })  # fmt: skip
-            quality = read_quality(config).at(ipd_px)
-            sittings.append(replace(probes, scene=scene, film=Film(ipd_px), quality=quality))
-        require(bool(sittings), f"generic.{name}", [], "at least one way to picture people")
-        found[as_word(name, "generic")] = tuple(sittings)
-    return found

@@ -136,7 +136,7 @@ class Own(Design):
             "candidates": [
                 row
                 for one in found
-                for row in candidates_of(one, self.candidates, named=self._named(probes, gallery))
+                for row in _candidates_of(one, self.candidates, named=self._named(probes, gallery))
             ],
             "config": self.describe(),
             "recognition": {
@@ -331,7 +331,7 @@ class Own(Design):
         )
 
 
-def candidates_of(one: Comparison, most: int, *, named: bool) -> Iterator[Record]:
+def _candidates_of(one: Comparison, most: int, *, named: bool) -> Iterator[Record]:
     """Yield, for each probe, the enrolled pictures that are most alike.
 
     Args:

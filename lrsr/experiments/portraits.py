@@ -56,7 +56,7 @@ class Cut:
         if max(picture.image.shape[1:]) <= self.longest_px:
             return picture
         if landmarks_px is not None:
-            picture = _cropped(picture, landmarks_px, self.ipds * pupils_apart(landmarks_px))
+            picture = _cropped(picture, landmarks_px, self.ipds * _pupils_apart(landmarks_px))
         longest = max(picture.image.shape[1:])
         return picture if longest <= self.longest_px else _shrunk(picture, self.longest_px)
 
@@ -82,7 +82,7 @@ class Portrait:
     @property
     def ipd_px(self) -> float | None:
         """Distance of the pupils; None where no face is known."""
-        return None if self.landmarks_px is None else pupils_apart(self.landmarks_px)
+        return None if self.landmarks_px is None else _pupils_apart(self.landmarks_px)
 
     def describe(self) -> dict[str, Any]:
         """Return what a report says of it, in plain values."""
@@ -187,11 +187,11 @@ def without_copies(
     return [one for one in probes if one.sha256 not in enrolled], copies
 
 
-def pupils_apart(landmarks_px: _Floats) -> float:
+def _pupils_apart(landmarks_px: _Floats) -> float:
     """Return the distance of the first two of five landmarks, px.
 
     Example:
-        >>> pupils_apart(np.array([[0, 0], [3, 4], [0, 0], [0, 0], [0, 0]]))
+        >>> _pupils_apart(np.array([[0, 0], [3, 4], [0, 0], [0, 0], [0, 0]]))
         5.0
     """
     return float(np.linalg.norm(landmarks_px[1] - landmarks_px[0]))

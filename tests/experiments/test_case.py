@@ -11,14 +11,14 @@ import pytest
 import torch
 from fakes.configurations import composed
 from fakes.painted import PaintedMaker
+from omegaconf import OmegaConf
 
 from lrsr.errors import InputError
 from lrsr.evaluation.likelihood import split_people
 from lrsr.evaluation.ratio import ratio_of
 from lrsr.evaluation.score_files.reading import read_scores
 from lrsr.experiments import case as module
-from lrsr.experiments.case import Case, Facts
-from lrsr.experiments.pair import Pair
+from lrsr.experiments.case import Case
 from lrsr.experiments.weighing import CASE, REAL
 from lrsr.paths import config_folder
 from lrsr.pictures.cache import RenderCache
@@ -93,25 +93,6 @@ def test_the_page_says_what_it_cannot_show(simulated: tuple[Path, dict[str, Any]
     assert "Tippett plots, judged on this case" in page
 
 
-def test_only_those_who_are_calibrated_on_are_pictured_otherwise(
-    tone_model: Path, tmp_path: Path
-) -> None:
-    case = asked(tone_model)
-    simulation = case._simulation(tmp_path, RenderCache(tmp_path), None, progress=False)
-    learn, judge = split_people_of(simulation.seen.identity_ids)
-    for name in ("good", "mixed"):
-        assert {*simulation.generic_probes(name).identity_ids} == {*learn}
-    mixed = simulation.generic_probes("mixed").recipes
-    assert [r.film.ipd_px for r in mixed[:4]] == [32, 24, 16, 32]
-    assert not {*learn} & {*judge}
-
-
-def split_people_of(people: Any) -> tuple[list[str], list[str]]:
-    from lrsr.evaluation.likelihood import split_ids
-
-    return split_ids(people, 0)
-
-
 def test_scores_from_elsewhere_need_no_pictures(tmp_path: Path) -> None:
     files = {
         name: write_scores(tmp_path / f"{name}.csv", people, signal, k, prefix)
@@ -119,7 +100,7 @@ def test_scores_from_elsewhere_need_no_pictures(tmp_path: Path) -> None:
             [("case", 40, 1.5, "p"), ("generic", 40, 5.0, "p"), ("real", 30, 1.5, "r")]
         )
     }
-    words = [f"case.{name}={file}" for name, file in files.items() if name != "case"]
+    words = [f"case.{name}_scores={file}" for name, file in files.items() if name != "case"]
     case = Case.from_config(
         composed("eval", "experiment=case", f"case.scores={files['case']}", *words, "bootstrap=0",
                  "case.score=1.2")
@@ -136,45 +117,33 @@ def test_scores_from_elsewhere_need_no_pictures(tmp_path: Path) -> None:
     assert "among the others of real people" in page
 
 
+def test_a_camera_is_fitted_to_the_pictures_of_the_case(
+    tone_model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fit(settings: Any, folder: Path, *_: Any, **__: Any) -> Any:
+        assert (settings.images, settings.ipd_px, settings.rounds) == (tmp_path / "images", 8.0, 3)
+        assert (settings.preset["name"], settings.strangers) == ("generic", case.probes)
+        assert folder == tmp_path / "camera"
+        return OmegaConf.to_container(OmegaConf.load(config_folder() / "camera" / "webcam.yaml"))
+
+    monkeypatch.setattr(module, "fit_once", fit)
+    case = asked(tone_model, f"case.images={tmp_path / 'images'}", "case.rounds=3")
+    simulation = case._simulation(tmp_path, RenderCache(tmp_path), None, progress=False)
+    assert (simulation.camera.name, simulation.camera.compression) == ("webcam", "none")
+
+
 def test_the_pair_of_the_case_gets_its_own_score(
     tone_model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("a", "b"):
         write_png(tmp_path / f"{name}.png", torch.full((3, 40, 40), 0.5))
     words = [f"case.probe={tmp_path / 'a.png'}", f"case.enrolled={tmp_path / 'b.png'}"]
-    case = asked(tone_model, *words, "recognition.landmarks=both")
+    case = replace(asked(tone_model, *words, "recognition.landmarks=both"), generic={})
     monkeypatch.setattr(module, "score_of", lambda one: 0.5)
     results = run(case, tmp_path)
     assert {(one["landmarks"], one["score"]) for one in results["ratios"]} <= {("own", 0.5)}
     assert [one["file"] for one in results["pair"]] == ["a.png", "b.png"]
     assert results["pair"][0]["ipd_px"] is None  # nobody is on it
-
-
-def test_a_camera_is_fitted_once_for_the_same_pictures(
-    tone_model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    fits: list[Any] = []
-
-    def fit(settings: Any, folder: Path, **_: Any) -> Path:
-        fits.append(settings)
-        text = (config_folder() / "camera" / "webcam.yaml").read_text()
-        (folder / "case.yaml").write_text(text)
-        return folder
-
-    monkeypatch.setattr(module, "fit_to_folder", fit)
-    images = tmp_path / "images"
-    for k in range(2):
-        write_png(images / f"{k}.png", torch.full((3, 32, 32), k / 2))
-    case = asked(tone_model, f"case.images={images}", "case.rounds=3")
-    cache = RenderCache(tmp_path / "cache")
-    for _ in range(2):
-        simulation = case._simulation(tmp_path, cache, None, progress=False)
-    assert simulation.camera.name == "webcam"
-    assert len(fits) == 1
-    assert (fits[0].rounds, fits[0].ipd_px, fits[0].preset["name"]) == (3, 8.0, "generic")
-    write_png(images / "0.png", torch.full((3, 32, 32), 0.9))
-    case._simulation(tmp_path, cache, None, progress=False)
-    assert len(fits) == 2
 
 
 @pytest.mark.parametrize(
@@ -185,7 +154,7 @@ def test_a_camera_is_fitted_once_for_the_same_pictures(
         (["case.score=0.1", "recognition.landmarks=both"], r"case\.score=0\.1: wanted one recogn"),
         (["case.probe=x"], r"case\.probe=\.\.\.: wanted both case\.probe and case\.enrolled"),
         (["case.probe=x", "case.enrolled=y"], "landmarks=shared: wanted own"),
-        (["case.generic=x"], r"case\.generic=.*x: wanted case\.scores besides"),
+        (["case.generic_scores=x"], r"case\.generic_scores=.*x: wanted case\.scores besides"),
         (["case.scores=x", "case.images=y"], r"case\.images=\.\.\.: wanted null"),
         (["gallery.folder=x"], r"gallery\.folder=x: wanted null: people are rendered"),
         (["ipd_px=3"], "ipd_px=3.0: wanted at least 4"),
@@ -197,11 +166,6 @@ def test_a_camera_is_fitted_once_for_the_same_pictures(
 def test_wrong_settings_are_refused(words: list[str], says: str, tone_model: Path) -> None:
     with pytest.raises(InputError, match=says):
         asked(tone_model, *words)
-
-
-def test_a_score_excludes_a_pair() -> None:
-    with pytest.raises(InputError, match=r"case\.score=1: wanted null where case\.probe is given"):
-        Facts(score=1, pair=Pair(Path("a"), Path("b")))
 
 
 def test_a_score_of_several_systems_of_a_file_is_refused(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ _SIMULATED = (
     "Everybody who was calibrated on or judged is simulated. That ratios hold among simulated "
     "people shows that the calibration suits the simulation, and not that the simulation suits the "
     "case: a recogniser may score photographs otherwise than renderings, and real people differ in "
-    "what no model here has. Only scores of real people (case.real) can show that."
+    "what no model here has. Only scores of real people (case.real_scores) can show that."
 )
 _LIMITS = (
     "Pose, light, size and expression are as they were given, and not estimated; that they, or the "
