@@ -293,7 +293,9 @@ class Own(Design):
                 for row, scores in enumerate(tile.scores.tolist(), start=tile.first):
                     said = (name.method, name.landmarks, name.recogniser)
                     lines = zip(system.gallery, scores, strict=True)
-                    writer.writerows((system.probes[row], who, *said, s) for who, s in lines)
+                    writer.writerows(
+                        (system.probes[row], who, *said, "NaN" if s != s else s) for who, s in lines
+                    )
         write_text(folder / "scores.csv", text.getvalue())
 
     def _write_page(
@@ -364,15 +366,13 @@ def _failures(one: Comparison) -> Record:
 
 def _answer(results: Mapping[str, Any]) -> list[str]:
     """Return what a reader must know first."""
-    photographs = results["photographs"]
-    told = [
-        f"{count} {kind} photographs were {status}."
-        for (kind, status), count in Counter(
-            (one["kind"], one["status"]) for one in photographs
-        ).items()
-    ]
+    told = []
+    for kind in ("probe", "gallery"):
+        became = Counter(one["status"] for one in results["photographs"] if one["kind"] == kind)
+        counts = ", ".join(f"{count} {status}" for status, count in became.most_common())
+        told.append(f"Photographs, {kind}: {counts}.")
     lost = max((len(one["probes"]) for one in results["failures"]), default=0)
-    told += [f"On up to {lost} probes no face was found, by method (FTA)."] if lost else []
+    told += [f"Probes on which no face was found (FTA), by method: up to {lost}."] if lost else []
     if results["unrated"]:
         return [*told, results["unrated"]]
     return [*told, *best_methods(report_lines(results["rows"], results["comparisons"]))]

@@ -114,7 +114,7 @@ def test_scores_from_elsewhere_need_no_pictures(tmp_path: Path) -> None:
     assert not (tmp_path / "cache").exists()
     page = (tmp_path / "run" / "report.html").read_text()
     assert "suits the simulation" not in page  # real people were asked
-    assert "among the others of real people" in page
+    assert "judged on real people: ratios cost (Cllr)" in page
 
 
 def test_a_camera_is_fitted_to_the_pictures_of_the_case(

@@ -94,7 +94,7 @@ def test_known_people_give_rates_by_the_scores_that_are_written(asked: Own, tmp_
     assert [test["method"] for test in results["comparisons"]] == ["bicubic2"]
     page = (tmp_path / "run" / "report.html").read_text()
     assert "Likelihood ratios</h2>" not in page  # six people are too few
-    assert "6 probe photographs were compared." in page
+    assert "Photographs, probe: 6 compared." in page
 
 
 def test_candidates_are_the_most_alike_in_order(asked: Own, tmp_path: Path) -> None:

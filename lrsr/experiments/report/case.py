@@ -111,14 +111,14 @@ def _answer(results: Mapping[str, Any]) -> Iterator[str]:
             yield f"{who}: {told} {words}."
         else:
             yield f"{who}: calibrated on {one['calibrated_on']} it would have {words}."
+    judged: dict[str, list[Mapping[str, Any]]] = {}
     for one in results["evidence"]:
-        if one["calibrated_on"] == one["judged_on"] or one["judged_on"] == REAL:
-            who = " ".join(filter(None, (one["recogniser"], one["label"])))
-            bad = "; more than 1 is worse than no evidence" if one["cllr"] > 1 else ""
-            yield (
-                f"{who}: ratios that were calibrated on {one['calibrated_on']} cost "
-                f"{one['cllr']:.3f} bits among the others of {one['judged_on']}{bad}."
-            )
+        who = " ".join(filter(None, (one["recogniser"], one["label"], one["landmarks"])))
+        judged.setdefault(f"{who}, judged on {one['judged_on']}", []).append(one)
+    for title, some in judged.items():
+        costs = ", ".join(f"{one['cllr']:.3f} by {one['calibrated_on']}" for one in some)
+        bad = "; more than 1 is worse than no evidence" if any(o["cllr"] > 1 for o in some) else ""
+        yield f"{title}: ratios cost (Cllr) {costs}{bad}."
     yield from results["missing"]
 
 

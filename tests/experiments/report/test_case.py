@@ -54,8 +54,11 @@ def test_the_score_is_told_first_by_every_calibration(tmp_path: Path) -> None:
 
 
 def test_ratios_that_do_harm_are_called_so(tmp_path: Path) -> None:
-    text = page(tmp_path, [line("good", "real people", 1.7)])
-    assert "cost 1.700 bits among the others of real people; more than 1 is worse" in text
+    some = [line("this case", "real people", 0.8), line("good", "real people", 1.7)]
+    said = "theirs Base own, judged on real people: ratios cost (Cllr) 0.800 by this case, 1.700"
+    text = page(tmp_path, some)
+    assert f"{said} by good; more than 1 is worse than no evidence." in text
+    assert "more than 1 is worse" not in page(tmp_path, some[:1])
 
 
 def test_only_real_people_can_show_what_the_simulation_cannot(tmp_path: Path) -> None:
