@@ -39,6 +39,7 @@ _COMMANDS = {
     "train": "sr=srcnn4x|fsrcnn4x|edsr4x|imdn4x|sparnet4x (or 2x), recognition=arcface",
     "eval": "an experiment: results.json, report.html",
     "score": "anybody's scores in files: the same tables, likelihood ratios, pages",
+    "compare": "two pictures: their score, and its likelihood ratio by scores=FILE",
     "upscale": "any picture by any upscaler: lrsr upscale FILE|FOLDER... out=DIR sr=srcnn2",
     "identities": "contact sheet, who they are, uniqueness check; export=DIR: meshes",
     "fit-camera": "a camera preset from real pictures in images=DIR",
@@ -46,7 +47,7 @@ _COMMANDS = {
 }
 """What each does; ``lrsr.tasks.run_COMMAND`` does it."""
 
-_OPERANDS = {"score": "files", "upscale": "images"}
+_OPERANDS = {"score": "files", "compare": "files", "upscale": "images"}
 """Commands that take words without a key, and the setting that they are."""
 
 _USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
@@ -61,6 +62,7 @@ examples:
   lrsr eval experiment=super_resolution identities.count=200 options=[1,4]
   lrsr render identities.count=3 pose=left lighting=above ipd_px=8 out=probes
   lrsr score runs/eval/.../scores.csv calibration=pav
+  lrsr compare probe.png enrolled.png scores=runs/eval/.../scores.csv
   lrsr upscale holidays portrait.jpg out=larger sr=srcnn4
   lrsr train sr=srcnn4x identities.count=300
   lrsr identities identities.count=1500 identities.sex=female
@@ -249,8 +251,9 @@ def _task(function: str, failures: list[Exception]) -> "Callable[[DictConfig], N
 
     def run(config: "DictConfig") -> None:
         try:
-            folder: Path = getattr(importlib.import_module("lrsr.tasks"), function)(config)
-            _say(folder)
+            result: Path | None = getattr(importlib.import_module("lrsr.tasks"), function)(config)
+            if result is not None:
+                _say(result)
         except Exception as error:
             hydra = HydraConfig.get()
             if hydra.mode == RunMode.MULTIRUN:

@@ -8,6 +8,7 @@ stands between two values, unless they are quoted: ``out='"a,b"'``.
 
 import inspect
 import logging
+import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from lrsr.errors import InputError
+from lrsr.paths import user_path
 
 _OPEN = {"sr", "fusion", "conditions", "trainer", "callbacks", "logger", "optimizer", "scheduler"}
 """Sections that take parts under any name."""
@@ -38,7 +40,16 @@ _PATHS = {
     "contract",
     "mirror",
     "lpips",
+    "folder",
+    "scores",
+    "generic_scores",
+    "real_scores",
+    "probe",
+    "enrolled",
 }
+_FOLDERS = ("gallery", "probes")
+"""Sections whose ``folder`` may be given as if it were all of them."""
+_WITH_FOLDERS = ("eval", "demo")
 _LISTS = {"images"}
 """Paths that may be several: [a,b] is a list."""
 _QUOTED = r'"(?:[^"\\]|\\.)*"|' + r"'(?:[^'\\]|\\.)*'"
@@ -103,6 +114,8 @@ class Overrides:
             raise InputError(f"{key}=: give a value, or null for none")
         if key == "recognition" and sign != "~" and self._options(key):
             key, value = self._recognisers(value)
+        if key in _FOLDERS and sign != "~" and not package and self._is_folder(key, value):
+            key = f"{key}.folder"
         # lrsr train sr=NAME and recognition=NAME mean train=NAME.
         if self.command == "train" and key in {"sr", "recognition"} and self._options("train"):
             key = "train"
@@ -115,6 +128,14 @@ class Overrides:
             return "recognition", value
         quoted = ",".join(quoted_word(name.strip()) for name in names)
         return "recognition.recognisers", f"[{quoted}]" if value.startswith("[") else quoted
+
+    def _is_folder(self, key: str, value: str) -> bool:
+        """Tell whether ``gallery=`` or ``probes=`` names a folder of photographs: no option."""
+        options = self._options(key)
+        if not options:  # there is nothing else to choose
+            return self.command in _WITH_FOLDERS
+        plain = re.sub(r"""^(["'])(.*)\1$""", r"\2", value)
+        return value not in options and (os.sep in plain or user_path(plain).is_dir())
 
     def _options(self, group: str) -> set[str]:
         if not re.fullmatch(r"[\w/-]+", group):

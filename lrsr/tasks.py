@@ -44,7 +44,8 @@ def run_eval(config: "DictConfig") -> Path:
 
     _refuse_unread(config)
     kind: Any = get_class(str(config._target_))
-    if unread := getattr(kind, "unread", ()):
+    unread = getattr(kind, "unread", ())
+    if unread := unread(config) if callable(unread) else unread:
         _refuse(unread, f"experiment={config.name} does not read it; leave it")
     experiment = kind.from_config(config)
     with run_folder(config) as folder:
@@ -68,6 +69,26 @@ def run_score(config: "DictConfig") -> Path:
     with run_folder(config) as folder:
         write_provenance(folder, config)
         return scoring.run(folder)
+
+
+def run_compare(config: "DictConfig") -> Path | None:
+    """Print how alike two pictures are, and what that is worth; see :mod:`lrsr.experiments.pair`.
+
+    Returns:
+        The file of the result, if ``out`` names one.
+
+    Raises:
+        InputError: A setting is wrong, a picture cannot be read, or the scores do not fit.
+    """
+    from hydra.core.hydra_config import HydraConfig  # loaded by then
+
+    from lrsr.experiments.pair import PairComparison, lines_of
+
+    chosen = str(HydraConfig.get().runtime.choices["sr"])
+    asked = PairComparison.from_config(config, method=chosen)
+    for line in lines_of(asked.run()):
+        sys.stdout.write(f"{line}\n")
+    return asked.out
 
 
 def run_upscale(config: "DictConfig") -> Path:

@@ -205,3 +205,36 @@ def test_recognition_names_recognisers_or_an_option(typed: str, meant: str) -> N
 def test_recognisers_can_be_swept_over() -> None:
     swept = mended("recognition=shipped,dlib", command="eval", sweep=True)
     assert swept == ['++recognition.recognisers="shipped","dlib"']
+
+
+@pytest.mark.parametrize(
+    ("word", "wanted"),
+    [
+        ("probes=photos", '++probes.folder="photos"'),
+        ("gallery=here/photos", '++gallery.folder="here/photos"'),
+        ("gallery=photos", '++gallery.folder="photos"'),  # a folder that is there
+        ('gallery="my photos"', '++gallery.folder="my photos"'),
+        ("gallery=frontal", "gallery=frontal"),
+        ("probes.folder=2024", '++probes.folder="2024"'),
+    ],
+)
+def test_a_folder_of_photographs_may_be_given_without_its_key(
+    word: str, wanted: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("photos", "my photos"):
+        (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert mended(word, command="eval") == [wanted]
+
+
+@pytest.mark.parametrize(
+    ("command", "word", "says"),
+    [
+        ("eval", "gallery=frontel", "no such option: did you mean frontal?"),
+        ("render", "probes=photos", "no setting 'probes'"),
+        ("render", "gallery=a/b", "no setting 'gallery.folder'"),
+    ],
+)
+def test_what_is_neither_folder_nor_option_is_refused(command: str, word: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        mended(word, command=command)

@@ -1,8 +1,11 @@
 """What a task refuses before it does anything."""
 
+from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
+from fakes.configurations import composed
 from omegaconf import OmegaConf
 
 from lrsr import tasks
@@ -57,3 +60,43 @@ def test_words_that_change_nothing_are_told(
     monkeypatch.setattr("hydra.core.hydra_config.HydraConfig.get", lambda: runtime)
     tasks._tell_unread(kind)
     assert (f"{word.partition('=')[0]} changes nothing where kind={kind}" in caplog.text) == told
+
+
+class Reader:
+    """An experiment that reads the seed alone, and more where it is told so."""
+
+    @staticmethod
+    def unread(config: Any) -> tuple[str, ...]:
+        return ("camera",) if config.seed == 0 else ()
+
+    @classmethod
+    def from_config(cls, config: Any) -> "Reader":
+        raise InputError("from_config was reached")
+
+
+@pytest.mark.parametrize(("seed", "says"), [(0, "camera.exposure_ev: "), (1, "from_config")])
+def test_an_experiment_may_tell_by_the_configuration_what_it_does_not_read(
+    seed: int, says: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runtime = SimpleNamespace(overrides=SimpleNamespace(task=["camera.exposure_ev=1"]))
+    monkeypatch.setattr("hydra.core.hydra_config.HydraConfig.get", lambda: runtime)
+    monkeypatch.setattr("hydra.utils.get_class", lambda _: Reader)
+    with pytest.raises(InputError, match=says):
+        tasks.run_eval(composed("eval", f"seed={seed}"))
+
+
+def test_a_pair_is_compared_by_the_method_that_was_chosen(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    chosen = SimpleNamespace(runtime=SimpleNamespace(choices={"sr": "srcnn4"}))
+    monkeypatch.setattr("hydra.core.hydra_config.HydraConfig.get", lambda: chosen)
+    result: dict[str, Any] = {"pictures": [], "comparisons": []}
+
+    def read(config: Any, method: str) -> Any:
+        assert method == "srcnn4"
+        return SimpleNamespace(run=lambda: result, out=Path("pair.json"))
+
+    monkeypatch.setattr("lrsr.experiments.pair.PairComparison.from_config", read)
+    config = composed("compare", "files=[a.png,b.png]")
+    assert tasks.run_compare(config) == Path("pair.json")
+    assert capsys.readouterr().out == ""

@@ -10,7 +10,7 @@ value for the two that pooling takes part in.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,15 @@ from numpy.typing import ArrayLike
 from lrsr.errors import ScoreError
 from lrsr.evaluation.arrays import Array
 from lrsr.evaluation.bootstrap import Draws, draw_people, percentiles, weigh, weighted_means
-from lrsr.evaluation.calibrators import CALIBRATORS, Floats, elub, fit_pav, log_odds, pool
+from lrsr.evaluation.calibrators import (
+    CALIBRATORS,
+    Calibration,
+    Floats,
+    elub,
+    fit_pav,
+    log_odds,
+    pool,
+)
 from lrsr.evaluation.delong import normal_quantile
 from lrsr.evaluation.pooled import PooledPairs
 from lrsr.evaluation.scores import Index, ScoreSource
@@ -168,8 +176,14 @@ def cross_entropy(genuine_llr: ArrayLike, impostor_llr: ArrayLike, odds: ArrayLi
 
 def split_people(source: ScoreSource, seed: int) -> tuple[list[str], list[str]]:
     """Part people at random into development and test; equal people and seeds, equal halves."""
-    ids = {*source.probe_ids, *(source.gallery_ids if source.people_known else ())}
-    people = sorted(ids)
+    return split_ids(
+        {*source.probe_ids, *(source.gallery_ids if source.people_known else ())}, seed
+    )
+
+
+def split_ids(ids: Iterable[str], seed: int) -> tuple[list[str], list[str]]:
+    """Part people at random as :func:`split_people` does; in which order they come is the same."""
+    people = sorted({*ids})
     order = np.random.default_rng(seed).permutation(len(people))
     half = len(people) // 2
     parts = order[:half], order[half:]
@@ -199,11 +213,37 @@ def weigh_evidence(
     Raises:
         ScoreError: No such calibration, or fewer than ten people with a genuine score in a half.
     """
-    if calibration not in CALIBRATORS:
-        raise ScoreError(f"calibration {calibration}: wanted one of {', '.join(CALIBRATORS)}")
-    development, test = (_half(source, people) for people in split_people(source, seed))
+    learn, judge = (source.restricted(people) for people in split_people(source, seed))
+    return judge_evidence(learn, judge, calibration, bootstrap=bootstrap, seed=seed, level=level)
+
+
+def judge_evidence(
+    development: ScoreSource,
+    test: ScoreSource,
+    calibration: str = "logistic",
+    *,
+    bootstrap: int = 0,
+    seed: int = 0,
+    level: float = 0.95,
+) -> Evidence:
+    """Calibrate on scores of some people and judge the ratios of others, maybe pictured otherwise.
+
+    Args:
+        development: Scores that are calibrated on.
+        test: Scores that are judged; of nobody who is in the others.
+        calibration: See :func:`weigh_evidence`, as the next ones.
+        bootstrap: Draws of people.
+        seed: Of the draws.
+        level: Of the intervals.
+
+    Raises:
+        ScoreError: No such calibration, or fewer than ten people with a genuine score on a side.
+    """
+    learn = find_calibrator(calibration)
+    for part in (development, test):
+        check_enough(part)
     own, other = development.genuine(), development.impostor()
-    calibrate = CALIBRATORS[calibration](own, other)
+    calibrate = learn(own, other)
     bounds = elub(calibrate(own), calibrate(other))
     pairs = PooledPairs(test)
     draws = draw_people(test, bootstrap, seed) if bootstrap and test.people_known else None
@@ -233,8 +273,23 @@ def weigh_evidence(
     )
 
 
-def _half(source: ScoreSource, people: Sequence[str]) -> ScoreSource:
-    part = source.restricted(people)
+def find_calibrator(name: str) -> Callable[[ArrayLike, ArrayLike], Calibration]:
+    """Return what learns a calibration from genuine and impostor scores.
+
+    Raises:
+        ScoreError: There is none of that name.
+    """
+    if name not in CALIBRATORS:
+        raise ScoreError(f"calibration {name}: wanted one of {', '.join(CALIBRATORS)}")
+    return CALIBRATORS[name]
+
+
+def check_enough(part: ScoreSource) -> None:
+    """Refuse scores of too few people to calibrate on or to judge by.
+
+    Raises:
+        ScoreError: Fewer than ten people have a genuine score, or nobody has an impostor score.
+    """
     scored = {
         part.probe_ids[row]
         for row, score in zip(part.mates[0].tolist(), part.mated_scores().tolist(), strict=True)
@@ -245,7 +300,6 @@ def _half(source: ScoreSource, people: Sequence[str]) -> ScoreSource:
             f"{len(scored)} people with a genuine score in one half: likelihood ratios need "
             f"{_FEWEST} to calibrate on and {_FEWEST} to judge"
         )
-    return part
 
 
 class _Judge:

@@ -166,7 +166,7 @@ class Design:
             name=as_word(config.name, "name"),
             question=as_word(config.question, "question"),
             conditions=conditions,
-            upscalers=_upscalers(config) | read_several(config),
+            upscalers=read_upscalers(config) | read_several(config),
             people=read_people(config),
             quality=read_quality(config),
             seed=seed_of(config),
@@ -247,7 +247,12 @@ def _condition_of(photographs: Photographs) -> Condition:
     return Condition(1, None, ipd_px=common("ipd_px", None), **names)
 
 
-def _upscalers(config: "DictConfig") -> dict[str, Upscaler | Several]:
+def read_upscalers(config: "DictConfig") -> dict[str, Upscaler]:
+    """Read the methods of single pictures: presets, changed or not, and networks of one's own.
+
+    Raises:
+        InputError: A value is wrong, or a setting would not be read.
+    """
     from omegaconf import OmegaConf
 
     as_mapping(config.sr, "sr")

@@ -83,7 +83,7 @@ def look_further(
     evidence = _evidence(asked, systems)
     curves, discards = _discards(asked, systems, summaries)
     return Further(
-        [about[method] | _plain(found) for method, found in evidence.items()],
+        [about[method] | evidence_record(found) for method, found in evidence.items()],
         [
             about[method] | record
             for method, system in systems.items()
@@ -111,7 +111,7 @@ def _evidence(asked: Asked, systems: Mapping[str, System]) -> dict[str, Evidence
     return found
 
 
-def _plain(evidence: Evidence) -> Record:
+def evidence_record(evidence: Evidence) -> Record:
     """Return the numbers of a record: those of curves are for pictures."""
     costs = {
         f"{name}{end}": value

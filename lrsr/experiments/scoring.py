@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Self
 
 from lrsr.configuration import as_word, flag, number, require, seed_of, whole_number, words
 from lrsr.errors import InputError, ScoreError
-from lrsr.evaluation.calibrators import CALIBRATORS
 from lrsr.evaluation.sample_size import pairs_for_precision, rate_without_error
 from lrsr.evaluation.score_files.reading import FORMATS, read_scores
 from lrsr.evaluation.score_files.system import Name, System
@@ -68,11 +67,6 @@ class Scoring:
     export: str | None = None
 
     def __post_init__(self) -> None:
-        asked = self.asked
-        require(0 < asked.level < 1, "level", asked.level, "between 0 and 1")
-        require(asked.bootstrap >= 0, "bootstrap", asked.bootstrap, "0 or more draws")
-        known = f"one of {', '.join(CALIBRATORS)}"
-        require(asked.calibration in CALIBRATORS, "calibration", asked.calibration, known)
         known = f"null or one of {', '.join(FORMATS)}"
         require(self.format in (None, *FORMATS), "format", self.format, known)
         known = f"null or {' or '.join(_EXPORTS)}"

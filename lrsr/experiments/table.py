@@ -79,7 +79,7 @@ def evaluate(
     rows = []
     for method, source in scores.items():
         summary = found.summaries.get(method)
-        numbers = _counts(source) if summary is None else _numbers(summary)
+        numbers = counts_record(source) if summary is None else _numbers(summary)
         off = (errors or {}).get(method, ())
         means = {name: _mean(likeness[method].get(name, ())) for name in MEASURES}
         told = _names(design, condition, method, landmarks)
@@ -186,7 +186,7 @@ def rates_record(summary: Summary) -> Record:
     }
 
 
-def _counts(source: ScoreSource) -> Record:
+def counts_record(source: ScoreSource) -> Record:
     """Return a row's numbers where too little was acquired to measure anything else."""
     failed = [tile.absent.all(axis=1) for tile in source.tiles()]
     return {

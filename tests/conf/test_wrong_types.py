@@ -32,6 +32,8 @@ COMMANDS = {
     "render-lens": ["lens=double_gauss", "lighting=above", "out=pictures"],
     "render-spectral": ["camera=nikon_d5100", "out=pictures"],
     "eval": ["options=[1,6]"],
+    "eval-case": ["experiment=case", "identities.count=20"],
+    "compare": ["files=[a.png,b.png]"],
     "score": ["files=[scores.csv]"],
     "identities": [],
     "identities-export": ["export=meshes"],
@@ -64,6 +66,13 @@ UNREAD = {
         *("gallery", "recognition", "encoder", "smallest_angle_deg", "most_redraws"),
         *("paths.run", "paths.runs"),  # it writes into export
     },
+    "eval-case": {
+        *("sr", "recognition", "gallery", "burst", "expression", "another_day"),  # tried in eval
+        *("probes", "conditions", "options", "fusions", "fusion", "frames", "lpips"),
+        *("pose", "lighting", "camera"),  # tried in render
+        *("methods", "level", "bootstrap", "save_scores", "calibration", "name", "question"),
+    },
+    "compare": {"paths", "sr", "recognition"},
     "upscale": {"paths.run", "paths.runs"},  # it writes into out
     "fit-camera": {"camera"},  # when the pictures were read
     "models": {"paths"},
@@ -112,6 +121,8 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         "pictures.to_folder.render_to_folder",
         "calibration.from_pictures.fit_to_folder",
         "experiments.verification.Verification.run",
+        "experiments.case.Case.run",
+        "experiments.pair.PairComparison.run",
         "experiments.people.Uniqueness.run",
         "experiments.scoring.Scoring.run",
         "pictures.export.export_to_folder",
@@ -132,6 +143,7 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         job=SimpleNamespace(config_name="command", num=0),
         mode=RunMode.RUN,
         overrides=SimpleNamespace(task=[]),
+        runtime=SimpleNamespace(choices={"sr": "base"}),
     )
     monkeypatch.setattr(HydraConfig, "get", lambda: hydra)
 
@@ -187,7 +199,8 @@ def is_below(key: str, others: set[str]) -> bool:
 def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
     name = command if command == "fit-camera" else command.split("-")[0]
     count = 20 if command == "fit-camera" else 2
-    people = [] if command in ("score", "models", "upscale") else [f"identities.count={count}"]
+    nobody = ("score", "models", "upscale", "compare", "eval-case")
+    people = [] if command in nobody else [f"identities.count={count}"]
     config = composed(name, *COMMANDS[command], *people)
     plain: Any = OmegaConf.to_container(config, resolve=False)
     assert attempt(command, copy.deepcopy(plain), "") is None
