@@ -1,5 +1,7 @@
 """Which pictures do the lists of a published set name? Names and numbers of .mat files, no code."""
 
+import struct
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -78,10 +80,12 @@ def _read(path: Path, *names: str) -> dict[str, Any]:
         InputError: It cannot be read, or lacks one.
     """
     from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
 
+    broken = (MatReadError, ValueError, TypeError, NotImplementedError, LookupError)
     try:
         found: dict[str, Any] = loadmat(path, variable_names=names, squeeze_me=True)
-    except (OSError, ValueError, TypeError, NotImplementedError, KeyError) as error:
+    except (OSError, *broken, struct.error, zlib.error) as error:
         raise InputError(f"cannot read {path}: {error}; download it again") from error
     for name in names:
         if name not in found:
@@ -95,8 +99,9 @@ def _texts(path: Path, name: str, value: Any) -> list[str]:
     Raises:
         InputError: One is not.
     """
-    texts = [str(text) for text in np.ravel(value)]
+    texts = np.ravel(value).tolist()
     for text in texts:
-        if not text or Path(text).name != text:
-            raise InputError(f"{path}: {name} names {text[:80]!r}: wanted a file's plain name")
+        if not isinstance(text, str) or not text or Path(text).name != text:
+            told = str(text)[:80]
+            raise InputError(f"{path}: {name} names {told!r}: wanted a file's plain name")
     return texts

@@ -77,6 +77,7 @@ def write_report(
     done: Sequence[str],
     not_done: Sequence[str],
     page: str = "report",
+    more: Mapping[str, Any] | None = None,
 ) -> Path:
     """Write ``report.html``: self-contained, with every picture inside.
 
@@ -88,6 +89,7 @@ def write_report(
         done: What was done, a sentence each.
         not_done: What was not, and what the numbers do not show.
         page: Name of the template.
+        more: What that template prints besides, or in place of what reports print.
 
     Returns:
         Path of the file.
@@ -110,7 +112,6 @@ def write_report(
         page,
         title=config["name"].replace("_", " ").capitalize(),
         question=config["question"],
-        answer=list(best_methods(lines)),
         settings={**config, "recognition": results["recognition"]},
         likelihoods=_told(results, "likelihood_ratios"),
         groups=_by_group(_told(results, "groups")),
@@ -132,6 +133,7 @@ def write_report(
         not_done=not_done,
         versions=results["versions"],
         seed=config["seed"],
+        **{"answer": list(best_methods(lines)), **(more or {})},
     )
 
 
