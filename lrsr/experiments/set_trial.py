@@ -71,7 +71,7 @@ class SetTrial(Trial):
         part: Which; its design is the trial's.
     """
 
-    part: Part | None = None
+    part: Part = field(kw_only=True)
 
     @cached_property
     def added(self) -> dict[str, list[Record]]:
@@ -80,13 +80,7 @@ class SetTrial(Trial):
 
     @cached_property
     def _given(self) -> dict[str, Photographs]:
-        return dict(self._part.photographs) or super()._given
-
-    @property
-    def _part(self) -> Part:
-        if self.part is None:
-            raise RuntimeError("a trial of a set needs its part")
-        return self.part
+        return dict(self.part.photographs) or super()._given
 
     def named(self, outcome: Outcome, *, several: bool) -> Outcome:
         """Let everything say the part's name.
@@ -95,9 +89,9 @@ class SetTrial(Trial):
             outcome: Of this trial.
             several: There are several recognisers, so the title says which it is.
         """
-        words = {"setting": self._part.name}
+        words = {"setting": self.part.name}
         further = outcome.further
-        title = f"{self.name}. {self._part.name}" if several else self._part.name
+        title = f"{self.name}. {self.part.name}" if several else self.part.name
         return Outcome(
             [row | words for row in outcome.rows],
             [test | words for test in outcome.comparisons],
@@ -115,10 +109,10 @@ class SetTrial(Trial):
 
     def _judge(self, condition: Any, landmarks: Any, seen: Any, systems: Any, *more: Any) -> Any:
         """Judge what the protocol looks at, and add what it asks for besides; see Trial."""
-        arranged = {method: self._part.arrange(system) for method, system in systems.items()}
+        arranged = {method: self.part.arrange(system) for method, system in systems.items()}
         judged = super()._judge(condition, landmarks, seen, arranged, *more)
         for row in judged.rows:
-            about = {name: row[name] for name in NAMES} | {"setting": self._part.name}
+            about = {name: row[name] for name in NAMES} | {"setting": self.part.name}
             source = arranged[row["method"]].source
             self.added["transfers"] += [about | one for one in self._transfers(source)]
             self.added["searches"] += [about | one for one in self._searches(source)]
@@ -126,7 +120,7 @@ class SetTrial(Trial):
 
     def _transfers(self, source: ScoreSource) -> list[Record]:
         """Set thresholds on the development people, and judge them on the others."""
-        sides = self._part.development, self._part.evaluation
+        sides = self.part.development, self.part.evaluation
         if not all(sides):
             return []
         try:
@@ -136,13 +130,13 @@ class SetTrial(Trial):
             return [{"target_fmr": fmr, "hter": None} for fmr in TARGET_FMRS]
 
     def _searches(self, source: ScoreSource) -> list[Record]:
-        if not self._part.search:
+        if not self.part.search:
             return []
         return [asdict(identify(source, level=self.design.level))]
 
     def _pictures(self, *of_what: Any) -> dict[str, torch.Tensor]:
         """Show no face of a set: its agreement allows few of them to be passed on."""
-        return {} if self._part.photographs else super()._pictures(*of_what)
+        return {} if self.part.photographs else super()._pictures(*of_what)
 
 
 def diagonal(source: ScoreSource) -> PairScores:
