@@ -14,6 +14,7 @@ from lrsr.experiments.design import Condition, Design
 from lrsr.experiments.further import gather
 from lrsr.experiments.report.lines import condition_of, several_sources
 from lrsr.experiments.report.page import write_report
+from lrsr.experiments.report.sentences import about_recognition
 from lrsr.experiments.set_trial import Part, SetTrial
 from lrsr.experiments.table import Record, with_holm
 from lrsr.experiments.trial import Outcome
@@ -39,7 +40,6 @@ _DONE = (
     "Base is not free of interpolation: alignment enlarges it bilinearly to 112 pixels.",
     "Intervals are DeLong's; tests are paired, on the same pairs of pictures.",
 )
-_WHOLE = "Where no face was found, the whole picture stood for it, so that FTA does not count it."
 _NOT_SHOWN = "Faces of the set are not shown: its agreement says what may be passed on."
 
 _TOLD = ("name", "question", "methods", "level", "bootstrap", "calibration", "seed")
@@ -124,8 +124,7 @@ class SurveillanceSet(Design, ABC):
             for name, engine in engines.items()
             for part in parts
         ]
-        for trial in trials:
-            trial.landmarks  # noqa: B018  # refused before anything is rendered
+        known = {source for trial in trials for source in trial.landmarks}  # refused by now
         outcomes: list[Outcome] = []
         with score_file(folder) if self.save_scores else nullcontext() as table:
             for number, trial in enumerate(trials):
@@ -153,14 +152,14 @@ class SurveillanceSet(Design, ABC):
         results |= self.compared(results["rows"])
         write_json(folder / "results.json", results)
         done, not_done = self.sentences()
-        whole = (_WHOLE,) if self.recognition.fallback == "whole_image" else ()
+        told, untold = about_recognition(self.recognition, sorted(known, reverse=True))
         hidden = (_NOT_SHOWN,) if any(part.photographs for part in parts) else ()
         write_report(
             folder,
             results,
             [outcome.panel for outcome in outcomes],
-            done=(*done, *_DONE, *whole),
-            not_done=(*not_done, *hidden),
+            done=(*done, *_DONE, *told),
+            not_done=(*not_done, *untold, *hidden),
             page="surveillance_set",
             more=_tables(results),
         )
