@@ -91,9 +91,9 @@ def carry_threshold(
     """
     genuine, impostor = _scores(development, "development")
     threshold = (
-        equal_error_threshold(genuine, impostor)
+        _equal_error_threshold(genuine, impostor)
         if target_fmr is None
-        else threshold_at_fmr(impostor, target_fmr)
+        else _threshold_at_fmr(impostor, target_fmr)
     )
     least = -np.inf if threshold is None else threshold
     judged, others = _scores(evaluation, "evaluation")
@@ -126,7 +126,7 @@ def carry_threshold(
     )
 
 
-def equal_error_threshold(genuine: Array, impostor: Array) -> float:
+def _equal_error_threshold(genuine: Array, impostor: Array) -> float:
     """Return where FMR and FNMR are as near to each other as can be.
 
     The middle between two neighbouring scores; of two such places the higher one, as bob.measure
@@ -137,7 +137,7 @@ def equal_error_threshold(genuine: Array, impostor: Array) -> float:
         impostor: ``(n,)``, n >= 1.
 
     Example:
-        >>> equal_error_threshold(np.array([0.4, 0.8]), np.array([0.1, 0.2]))
+        >>> _equal_error_threshold(np.array([0.4, 0.8]), np.array([0.1, 0.2]))
         0.30000000000000004
     """
     scores = np.unique(np.concatenate([genuine, impostor]).astype(np.float64))
@@ -150,7 +150,7 @@ def equal_error_threshold(genuine: Array, impostor: Array) -> float:
     return float(places[np.flatnonzero(apart <= apart.min() + 1e-12)[-1]])
 
 
-def threshold_at_fmr(impostor: Array, target_fmr: float) -> float | None:
+def _threshold_at_fmr(impostor: Array, target_fmr: float) -> float | None:
     """Return where the FMR is the largest that does not pass a target; None: at any score.
 
     It is the lowest impostor score that may be accepted, as bob.measure has it: on other people
@@ -164,7 +164,7 @@ def threshold_at_fmr(impostor: Array, target_fmr: float) -> float | None:
         ScoreError: The target lies outside [0, 1].
 
     Example:
-        >>> threshold_at_fmr(np.array([0.1, 0.2, 0.3, 0.4]), 0.5)
+        >>> _threshold_at_fmr(np.array([0.1, 0.2, 0.3, 0.4]), 0.5)
         0.3
     """
     if not 0 <= target_fmr <= 1:

@@ -192,10 +192,10 @@ class SCFaceStudy(SurveillanceSet):
 
     def compared(self, rows: Sequence[Record]) -> dict[str, list[Record]]:
         """Say whether recreated cameras put the methods in the order of the real ones."""
-        return {"agreements": agreements(rows)} if self.wanted.root is not None else {}
+        return {"agreements": _agreements(rows)} if self.wanted.root is not None else {}
 
 
-def agreements(rows: Sequence[Record]) -> list[Record]:
+def _agreements(rows: Sequence[Record]) -> list[Record]:
     """Return how alike real and recreated cameras order the methods, by their AUC.
 
     Each real camera is held against every recreation of its number, with landmarks of the same

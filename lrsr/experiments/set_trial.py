@@ -5,14 +5,13 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-import numpy as np
 import torch
 
 from lrsr.errors import InputError, ScoreError
+from lrsr.evaluation.arranged import diagonal, mean_templates
 from lrsr.evaluation.identification import identify
-from lrsr.evaluation.pairs import PairScores
 from lrsr.evaluation.score_files.system import System
-from lrsr.evaluation.scores import CosineScores, ScoreSource
+from lrsr.evaluation.scores import ScoreSource
 from lrsr.evaluation.transfer import carry_threshold
 from lrsr.experiments.design import Design
 from lrsr.experiments.further import NAMES
@@ -20,7 +19,7 @@ from lrsr.experiments.table import Record
 from lrsr.experiments.trial import Outcome, Trial
 from lrsr.pictures.source import Photographs
 
-TARGET_FMRS = (None, 0.01)
+_TARGET_FMRS = (None, 0.01)
 """Where thresholds are set on the development people: at their equal error rate, at this FMR."""
 
 
@@ -58,7 +57,12 @@ class Part:
         if self.listed:
             return replace(system, source=diagonal(system.source))
         if self.templates:
-            source = mean_templates(system.source)
+            try:
+                source = mean_templates(system.source)
+            except ScoreError as error:
+                raise InputError(
+                    f"recognition: {error}; name recognisers that have such"
+                ) from error
             return replace(system, source=source, gallery=source.gallery_ids)
         return system
 
@@ -125,9 +129,9 @@ class SetTrial(Trial):
             return []
         try:
             parts = [source.restricted(people) for people in sides]
-            return [asdict(carry_threshold(*parts, fmr)) for fmr in TARGET_FMRS]
+            return [asdict(carry_threshold(*parts, fmr)) for fmr in _TARGET_FMRS]
         except ScoreError:  # too few of a kind were acquired; the table says so
-            return [{"target_fmr": fmr, "hter": None} for fmr in TARGET_FMRS]
+            return [{"target_fmr": fmr, "hter": None} for fmr in _TARGET_FMRS]
 
     def _searches(self, source: ScoreSource) -> list[Record]:
         if not self.part.search:
@@ -137,50 +141,6 @@ class SetTrial(Trial):
     def _pictures(self, *of_what: Any) -> dict[str, torch.Tensor]:
         """Show no face of a set: its agreement allows few of them to be passed on."""
         return {} if self.part.photographs else super()._pictures(*of_what)
-
-
-def diagonal(source: ScoreSource) -> PairScores:
-    """Return the scores of row and column 0, of row and column 1, and so on, as listed pairs.
-
-    Example:
-        >>> from lrsr.evaluation.scores import Scores
-        >>> matrix = np.array([[0.9, 0.5], [0.5, 0.1]])
-        >>> diagonal(Scores(matrix, ["ann", "ann"], ["ann", "bob"])).impostor().tolist()
-        [0.1]
-    """
-    parts = [
-        tile.scores[np.arange(len(tile.scores)), np.arange(tile.rows.start, tile.rows.stop)]
-        for tile in source.tiles()
-    ]
-    return PairScores(np.concatenate(parts), source.probe_ids, source.gallery_ids)
-
-
-def mean_templates(source: ScoreSource) -> CosineScores:
-    """Return cosines with one template a person: the mean of embeddings of length 1, as long.
-
-    A picture without an embedding is left out; a person without any has none.
-
-    Args:
-        source: Cosines with every picture of the gallery.
-
-    Raises:
-        InputError: The recogniser compares otherwise.
-
-    Example:
-        >>> faces = np.array([[1.0, 0.0], [0.0, 1.0]])
-        >>> both = mean_templates(CosineScores(faces, faces, ["ann", "bob"], ["ann", "ann"]))
-        >>> both.gallery.round(3).tolist(), both.gallery_ids
-        ([[0.707, 0.707]], ('ann',))
-    """
-    if not isinstance(source, CosineScores):
-        raise InputError("templates are means of embeddings: name recognisers that have such")
-    people, who = np.unique(source.gallery_ids, return_inverse=True)
-    known = np.isfinite(source.gallery).all(axis=1)
-    total = np.zeros((people.size, source.gallery.shape[1]))
-    np.add.at(total, who[known], source.gallery[known])
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    templates = np.divide(total, length, out=np.full_like(total, np.nan), where=length > 0)
-    return CosineScores(source.probes, templates, source.probe_ids, people.tolist())
 
 
 def people_of(photographs: Photographs, numbers: Sequence[int]) -> frozenset[str]:

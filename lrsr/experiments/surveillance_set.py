@@ -25,6 +25,7 @@ from lrsr.pictures.maker import Maker
 from lrsr.pictures.source import Photographs
 from lrsr.provenance import versions
 from lrsr.recognition.memory import Memory
+from lrsr.sr.perceptual import PerceptualDistance
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -119,8 +120,11 @@ class SurveillanceSet(Design, ABC):
         parts = self.parts()
         memory = Memory(cache.folder / "recognition")
         engines, finder = self.recognition.engines(memory), self.recognition.finder(memory)
+        looks = (
+            PerceptualDistance(self.lpips, device=self.recognition.device) if self.lpips else None
+        )
         trials = [
-            SetTrial(part.design, cache, engine, maker, finder, name, progress, part=part)
+            SetTrial(part.design, cache, engine, maker, finder, name, progress, looks, part=part)
             for name, engine in engines.items()
             for part in parts
         ]
@@ -142,7 +146,11 @@ class SurveillanceSet(Design, ABC):
                 name: [record for trial in trials for record in trial.added[name]]
                 for name in ("transfers", "searches")
             },
-            "config": {**self.describe(), "parts": _described(parts)},
+            "config": {
+                **self.describe(),
+                "lpips": looks and looks.describe(),
+                "parts": _described(parts),
+            },
             "recognition": {
                 "recognisers": {name: dict(engine.describe()) for name, engine in engines.items()},
                 **({"detector": finder.detector.describe()} if finder else {}),

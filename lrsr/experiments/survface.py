@@ -12,7 +12,7 @@ from lrsr.pictures.survface import SurvFace
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-PROTOCOLS = ("verification", "identification")
+_PROTOCOLS = ("verification", "identification")
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class Wanted:
     protocols: list[str] = field(default_factory=lambda: ["verification"])
 
     def __post_init__(self) -> None:
-        known = bool(self.protocols) and {*self.protocols} <= {*PROTOCOLS}
-        require(known, "survface.protocols", self.protocols, f"some of {', '.join(PROTOCOLS)}")
+        known = bool(self.protocols) and {*self.protocols} <= {*_PROTOCOLS}
+        require(known, "survface.protocols", self.protocols, f"some of {', '.join(_PROTOCOLS)}")
 
 
 @dataclass(frozen=True)

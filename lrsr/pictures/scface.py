@@ -10,15 +10,17 @@ distance and camera.
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Literal, get_args
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
-from lrsr.pictures.folder import Entry
+from lrsr.images import resize_bicubic, scale_points
+from lrsr.pictures.folder import Entry, read_picture
 from lrsr.pictures.image_files import SUFFIXES
+from lrsr.pictures.picture import Picture
 from lrsr.pictures.source import Photographs
 
 WHERE_TO_ASK = "ask for SCface at scface.org, then give scface.root=DIR"
@@ -39,6 +41,10 @@ _PATTERNS = (
 )
 _NAME = re.compile(r"(\d{3})_(?:cam(\d)_(\d)|(frontal))", re.IGNORECASE)
 _POINTS = ("leye", "reye", "nose", "mouth")
+_LARGEST_PX = 768
+"""Of a mugshot's longer side, which leaves some 80 px between the eyes: 64 of 6 megapixels at once
+would not fit into memory."""
+
 _HALF_MOUTH_IPDS = 0.414
 """From the middle of the mouth to its corner, in distances of the eyes, as in ArcFace's template:
 SCface has the middle alone. (Estimated.)"""
@@ -71,6 +77,9 @@ class SCFace:
     def gallery(self, mugshots: Mugshots) -> Photographs:
         """Return everyone's frontal mugshot.
 
+        Those of more than 768 px are shrunk by the least whole factor that brings them below, so
+        that many fit into memory.
+
         Args:
             mugshots: As the camera took it, or cut to the face. The set's coordinates are those of
                 the former; of the latter none are known.
@@ -85,7 +94,7 @@ class SCFace:
             raise InputError(f"{self.root / folder} holds no NNN_frontal.jpg: copy them there")
         known = mugshots == "original"
         entries = [self._entry(path, kind="gallery", known=known) for path in shown]
-        return Photographs(self.root, entries)
+        return _Shrunk(self.root, entries)
 
     def probes(self, camera: int, distance: int) -> Photographs:
         """Return what one camera saw of everybody at one distance.
@@ -141,6 +150,29 @@ class SCFace:
         else:
             raise InputError(f"scface.annotations={self.annotations} does not exist: mend the path")
         return {name: points for file in files for name, points in _read_coordinates(file)}
+
+
+@dataclass(frozen=True)
+class _Shrunk(Photographs):
+    """Photographs of which large ones are shrunk by a whole factor."""
+
+    def load(self, start: int, stop: int) -> list[Picture]:
+        """Read the pictures ``start`` to ``stop - 1``; see :class:`Photographs`."""
+        return [_shrink(read_picture(self.root, one)) for one in self.entries[start:stop]]
+
+
+def _shrink(picture: Picture) -> Picture:
+    factor = math.ceil(max(picture.image.shape[1:]) / _LARGEST_PX)
+    if factor == 1:
+        return picture
+    height, width = (side // factor * factor for side in picture.image.shape[1:])
+    small = resize_bicubic(picture.image[None, :, :height, :width], 1 / factor)[0].clamp(0, 1)
+    points = picture.landmarks_px
+    return replace(
+        picture,
+        image=small,
+        landmarks_px=None if points is None else scale_points(points, 1 / factor),
+    )
 
 
 def _read_coordinates(file: Path) -> Iterator[tuple[str, tuple[float, ...]]]:

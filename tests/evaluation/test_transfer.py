@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from lrsr.errors import ScoreError
 from lrsr.evaluation.pairs import PairScores
 from lrsr.evaluation.scores import Scores
-from lrsr.evaluation.transfer import carry_threshold, equal_error_threshold
+from lrsr.evaluation.transfer import carry_threshold
 
 CASES = json.loads((Path(__file__).parents[1] / "data" / "hter.json").read_text())["cases"]
 
@@ -72,9 +72,10 @@ def test_a_target_of_one_accepts_all_and_goes_to_json() -> None:
 
 
 def test_of_two_equally_good_places_the_higher_is_taken() -> None:
-    # at 1.5: FMR 1/2, FNMR 0; at 2.5: FMR 0, FNMR 1/2
-    assert equal_error_threshold(np.array([2.0, 4.0]), np.array([1.0, 2.0])) == 3.0
-    assert equal_error_threshold(np.array([2.0, 4.0]), np.array([1.0, 3.0])) == 2.5
+    same = pairs([2.0, 4.0], [1.0, 3.0])
+    assert carry_threshold(same, same).threshold == 2.5  # the one place with equal rates
+    tied = pairs([2.0, 4.0], [1.0, 2.0])  # at 1.5 FMR 1/2, FNMR 0; at 3 the other way round
+    assert carry_threshold(tied, tied).threshold == 3.0
 
 
 @pytest.mark.parametrize("whose", ["development", "evaluation"])

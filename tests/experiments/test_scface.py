@@ -10,7 +10,7 @@ from fakes.painted import PaintedMaker
 from fakes.sets import write_scface
 
 from lrsr.errors import InputError
-from lrsr.experiments.scface import SCFaceStudy, agreements
+from lrsr.experiments.scface import SCFaceStudy
 from lrsr.pictures.cache import RenderCache
 
 WORDS = (
@@ -160,16 +160,20 @@ def row(setting: str, label: str, auc: float | None) -> dict[str, Any]:
     }
 
 
+def agree(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return study("scface.root=copy").compared(rows)["agreements"]
+
+
 def test_agreement_is_kendalls_tau_of_the_methods() -> None:
     labels = ("Base", "Bicubic 2", "SR 2", "SR 4")
     real = [row(REAL, label, auc) for label, auc in zip(labels, (0.5, 0.6, 0.7, 0.8), strict=True)]
     made = [row(MADE, label, auc) for label, auc in zip(labels, (0.6, 0.5, 0.8, 0.9), strict=True)]
-    (found,) = agreements([*real, *made, row("Recreated scface_cam3", "Base", 0.5)])
+    (found,) = agree([*real, *made, row("Recreated scface_cam3", "Base", 0.5)])
     assert (found["real"], found["recreated"], found["methods"]) == (REAL, MADE, 4)
     assert found["kendall_tau"] == pytest.approx(4 / 6)  # 5 pairs agree, 1 does not
 
 
 def test_an_order_of_ties_agrees_with_nothing() -> None:
     tied = [row(name, label, 1.0) for name in (REAL, MADE) for label in "abc"]
-    assert agreements(tied)[0]["kendall_tau"] is None
-    assert agreements(tied[:2] + tied[3:5]) == []  # of two methods no order is told
+    assert agree(tied)[0]["kendall_tau"] is None
+    assert agree(tied[:2] + tied[3:5]) == []  # of two methods no order is told

@@ -43,6 +43,17 @@ def test_mugshots_are_enrolled_as_taken_or_cut(root: Path) -> None:
         assert (gallery.entries[0].landmarks_px is not None) is known
 
 
+def test_large_mugshots_are_shrunk_with_their_landmarks(tmp_path: Path) -> None:
+    write_scface(tmp_path, [1])
+    write_face(tmp_path / "mugshot_frontal_original_all" / "001_frontal.jpg", 1, 1601)
+    (tmp_path / "all.txt").write_text("001_frontal 799 800 1099 800 949 900 949 1001\n")
+    (picture,) = SCFace(tmp_path).gallery("original").load(0, 1)
+    assert picture.image.shape == (3, 533, 533)
+    assert picture.landmarks_px is not None
+    assert picture.landmarks_px[0].tolist() == pytest.approx([266, (800.5 / 3) - 0.5])
+    assert 0 <= float(picture.image.min()) < float(picture.image.max()) <= 1
+
+
 def test_coordinates_become_landmarks_as_seen(root: Path) -> None:
     entry = SCFace(root).probes(1, 1).entries[0]
     true = points_of(10, 40)
