@@ -1,4 +1,4 @@
-"""Tests of lrsr/experiments/surveillance_set.py, tinyface.py and survface.py, on made-up copies."""
+"""Tests of lrsr/experiments/surveillance_set.py, tinyface_study.py and survface_study.py, on made-up copies."""
 
 import json
 from pathlib import Path
@@ -9,8 +9,8 @@ from fakes.configurations import composed
 from fakes.sets import write_survface, write_tinyface
 
 from lrsr.errors import InputError
-from lrsr.experiments.survface import SurvFaceStudy
-from lrsr.experiments.tinyface import TinyFaceStudy
+from lrsr.experiments.survface_study import SurvFaceStudy
+from lrsr.experiments.tinyface_study import TinyFaceStudy
 from lrsr.pictures.cache import RenderCache
 
 pytestmark = pytest.mark.usefixtures("no_figures")

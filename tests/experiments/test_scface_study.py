@@ -1,4 +1,4 @@
-"""Tests of lrsr/experiments/scface.py, on a made-up copy and painted people."""
+"""Tests of lrsr/experiments/scface_study.py, on a made-up copy and painted people."""
 
 import json
 from pathlib import Path
@@ -10,7 +10,7 @@ from fakes.painted import PaintedMaker
 from fakes.sets import write_scface
 
 from lrsr.errors import InputError
-from lrsr.experiments.scface import SCFaceStudy
+from lrsr.experiments.scface_study import SCFaceStudy
 from lrsr.pictures.cache import RenderCache
 
 WORDS = (
