@@ -151,7 +151,7 @@ class SCFaceStudy(SurveillanceSet):
             logger.warning("the recreated cameras alone: %s", WHERE_TO_ASK)
             return []
         copy = SCFace(root, path_if_any(wanted.annotations, "scface.annotations"))
-        found = []
+        found: list[Part] = []
         for mugshots in wanted.mugshots:
             gallery = copy.gallery(mugshots)  # type: ignore[arg-type]  # one of them, as checked
             for distance in wanted.distances:
@@ -159,12 +159,10 @@ class SCFaceStudy(SurveillanceSet):
                     metres = DISTANCES_M[distance]
                     name = f"SCface cam{camera}, {metres:g} m, {mugshots} mugshots"
                     pictures = {"probe": copy.probes(camera, distance), "gallery": gallery}
-                    sides = {
-                        side: people_of(gallery, getattr(wanted, side))
-                        for side in ("development", "evaluation")
-                    }
                     part = self.part_of(len(found) + 1, name, pictures)
-                    found.append(replace(part, **sides))
+                    here = people_of(gallery, wanted.development)
+                    there = people_of(gallery, wanted.evaluation)
+                    found.append(replace(part, development=here, evaluation=there))
         return found
 
     def _recreated(self, first: int) -> list[Part]:

@@ -128,8 +128,11 @@ class SetTrial(Trial):
         if not all(sides):
             return []
         try:
-            parts = [source.restricted(people) for people in sides]
-            return [asdict(carry_threshold(*parts, fmr)) for fmr in _TARGET_FMRS]
+            here, there = (source.restricted(people) for people in sides)
+            return [
+                asdict(carry_threshold(here, there, fmr, level=self.design.level))
+                for fmr in _TARGET_FMRS
+            ]
         except ScoreError:  # too few of a kind were acquired; the table says so
             return [{"target_fmr": fmr, "hter": None} for fmr in _TARGET_FMRS]
 

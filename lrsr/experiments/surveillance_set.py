@@ -134,8 +134,9 @@ class SurveillanceSet(Design, ABC):
             for number, trial in enumerate(trials):
                 logger.info("%s: %s", trial.name, parts[number % len(parts)].name)
                 trial.render()
-                told = trial.outcomes(table)
-                outcomes += [trial.named(one, several=len(engines) > 1) for one in told]
+                outcomes += [
+                    trial.named(one, several=len(engines) > 1) for one in trial.outcomes(table)
+                ]
         results: dict[str, Any] = {
             "rows": [row for outcome in outcomes for row in outcome.rows],
             "comparisons": with_holm(

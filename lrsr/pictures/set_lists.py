@@ -99,7 +99,7 @@ def _texts(path: Path, name: str, value: Any) -> list[str]:
     Raises:
         InputError: One is not.
     """
-    texts = np.ravel(value).tolist()
+    texts: list[str] = np.ravel(value).tolist()
     for text in texts:
         if not isinstance(text, str) or not text or Path(text).name != text:
             told = str(text)[:80]

@@ -2,15 +2,17 @@
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from lrsr.errors import ScoreError
 from lrsr.evaluation.arranged import diagonal, mean_templates
 from lrsr.evaluation.scores import CosineScores, Scores
 
 
-def faces(count: int, seed: int = 0) -> np.ndarray:
+def faces(count: int, seed: int = 0) -> NDArray[np.float64]:
     rows = np.random.default_rng(seed).normal(size=(count, 16))
-    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+    unit: NDArray[np.float64] = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+    return unit
 
 
 @pytest.mark.parametrize("count", [1, 700])

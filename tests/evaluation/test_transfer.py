@@ -51,9 +51,8 @@ def test_failures_to_acquire_are_refused_by_everybody() -> None:
 def test_a_rising_map_of_all_scores_changes_no_rate() -> None:
     rng = np.random.default_rng(0)
     dev, ev = (pairs(rng.normal(1, 1, 30), rng.normal(0, 1, 90)) for _ in range(2))
-    wide = carry_threshold(
-        *(PairScores(3 * s.values, s.probe_ids, s.gallery_ids) for s in (dev, ev))
-    )
+    far_dev, far_ev = (PairScores(3 * s.values, s.probe_ids, s.gallery_ids) for s in (dev, ev))
+    wide = carry_threshold(far_dev, far_ev)
     plain = carry_threshold(dev, ev)
     assert (wide.far, wide.frr) == (plain.far, plain.frr)
 

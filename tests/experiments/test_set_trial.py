@@ -1,4 +1,4 @@
-"""Tests of lrsr/experiments/set_trial.py; whole runs are in test_scface_study.py and its neighbours."""
+"""Tests of lrsr/experiments/set_trial.py; its runs are tested by those of the studies."""
 
 from pathlib import Path
 

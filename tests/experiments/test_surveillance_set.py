@@ -1,4 +1,4 @@
-"""Tests of lrsr/experiments/surveillance_set.py, tinyface_study.py and survface_study.py, on made-up copies."""
+"""Tests of lrsr/experiments/surveillance_set.py and two of its studies, on made-up copies."""
 
 import json
 from pathlib import Path

@@ -58,7 +58,8 @@ def test_coordinates_become_landmarks_as_seen(root: Path) -> None:
     entry = SCFace(root).probes(1, 1).entries[0]
     true = points_of(10, 40)
     assert entry.ipd_px == pytest.approx(10, abs=0.02)
-    found = np.reshape(entry.landmarks_px, (5, 2))
+    assert entry.landmarks_px is not None
+    found = np.array(entry.landmarks_px).reshape(5, 2)
     np.testing.assert_allclose(found[:3], true[:3], atol=0.01)
     np.testing.assert_allclose(found[3:], true[3:], atol=0.05)  # corners from the middle
     picture = read_picture(root, entry)
