@@ -25,6 +25,9 @@ _FEWEST = 10
 _FMR = 0.01
 """Of the threshold at which groups and qualities are compared, where the data suffice."""
 
+_MOST_PAIRS = 10**8
+"""Pairs from which on nothing is calibrated: a quarter of them would have to be in memory."""
+
 _ENDS = ("", "_low", "_high")
 
 logger = logging.getLogger(__name__)
@@ -98,6 +101,9 @@ def _evidence(asked: Asked, systems: Mapping[str, System]) -> dict[str, Evidence
     """Weigh every method that has people enough."""
     found = {}
     for method, system in systems.items():
+        if system.source.n_pairs > _MOST_PAIRS:
+            logger.info("no likelihood ratios of %s: %d pairs", method, system.source.n_pairs)
+            continue
         try:
             found[method] = weigh_evidence(
                 system.source,

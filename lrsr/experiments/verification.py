@@ -13,6 +13,7 @@ from lrsr.evaluation.score_files.writing import score_file
 from lrsr.experiments.design import Design
 from lrsr.experiments.further import gather
 from lrsr.experiments.report.page import write_report
+from lrsr.experiments.report.sentences import about_recognition
 from lrsr.experiments.report.sheets import draw_contact_sheet
 from lrsr.experiments.table import Record, with_holm
 from lrsr.experiments.trial import Outcome, Trial
@@ -38,19 +39,6 @@ _DONE = (
     "Base is not free of interpolation: alignment enlarges it bilinearly to 112 pixels.",
     "Intervals are DeLong's; tests are paired, on the same pairs of pictures. Beside them stands "
     "the bootstrap: whole people drawn with replacement, the same draws for all methods.",
-)
-_LANDMARKS = {
-    "shared": "Shared landmarks: all methods have the true ones, scaled, so that no difference "
-    "between them is the detector's.",
-    "own": "Own landmarks: a detector looks for the face on each method's own picture, and on the "
-    "enrolled one, as a user would; a picture without a face is a failure to acquire (FTA).",
-}
-_WHOLE = "Where no face was found, the whole picture stood for it, so that FTA does not count it."
-_NO_DETECTOR = "No face detector was run: a detector's failures on such small faces come on top."
-_SHIPPED = (
-    "The shipped embedder has learned from faces of this renderer: its figures do not say how well "
-    "people can be recognised. Read them beside those of a network that has learned from "
-    "photographs, as recognition=[shipped,dlib] gives them."
 )
 _FLAWLESS = "The camera has no colour filter mosaic, lens aberration or sensor noise."
 
@@ -128,13 +116,9 @@ class Verification(Design):
         panels = [outcome.panel for outcome in outcomes]
         rendered = self.probes_folder is None and self.gallery_folder is None
         flawless = self.camera.flawless and self.probes_folder is None
-        told = [_LANDMARKS[one] for one in landmarks]
-        told += [_WHOLE] if self.recognition.fallback == "whole_image" else []
+        told, untold = about_recognition(self.recognition, landmarks)
         done = (*(_RENDERED if rendered else ()), *_DONE, *told)
-        undetected = () if "own" in landmarks else (_NO_DETECTOR,)
-        ours = self.recognition.model is None and "shipped" in self.recognition.recognisers
-        known = [_SHIPPED] if ours else []
-        not_done = (*undetected, *known, *([_FLAWLESS] if flawless else []))
+        not_done = (*untold, *([_FLAWLESS] if flawless else []))
         write_report(folder, results, panels, done=done, not_done=not_done)
         for number, panel in enumerate(panels, start=1):
             if panel.pictures:

@@ -1,5 +1,6 @@
 """An embedder of two nodes that tells painted people apart."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import onnx
@@ -24,3 +25,16 @@ def tone_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     opset = helper.make_opsetid("", 18)
     onnx.save(helper.make_model(graph, opset_imports=[opset], ir_version=9), path)
     return declare(path, 147)
+
+
+@pytest.fixture(scope="module")
+def no_figures() -> Iterator[None]:
+    """Let reports have empty figures, which have tests of their own and take seconds to draw."""
+    with pytest.MonkeyPatch.context() as patch:
+        for place in (
+            "further.draw_det_and_cmc",
+            "report.page.draw_roc",
+            "report.page.draw_intervals",
+        ):
+            patch.setattr(f"lrsr.experiments.{place}", lambda *_, **__: "data:,")
+        yield

@@ -73,11 +73,13 @@ def condition_of(record: Mapping[str, Any], several: Set[str]) -> str:
     """Return what a report calls the condition of a record; scores of others may have none.
 
     Args:
-        record: With option, ipd_px, landmarks and recogniser, each possibly None.
+        record: With option, ipd_px, landmarks and recogniser, each possibly None, and maybe
+            setting: words in place of the option.
         several: Of :func:`several_sources`.
     """
     option, ipd_px, source = record["option"], record["ipd_px"], record["landmarks"]
-    words = [] if option is None else [f"Option {option}"]
+    named = record.get("setting") or ("" if option is None else f"option {option}")
+    words = [named[:1].upper() + named[1:]] if named else []
     words += [] if ipd_px is None else [f"IPD {ipd_px:g} px"]
     words += [f"{source} landmarks"] if "landmarks" in several and source is not None else []
     told = ", ".join(words) or "All pairs"

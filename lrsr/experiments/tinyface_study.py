@@ -1,0 +1,60 @@
+"""How many faces of TinyFace are found again, after each way of enlarging?"""
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Self
+
+from lrsr.configuration import section
+from lrsr.experiments.set_trial import Part
+from lrsr.experiments.surveillance_set import SurveillanceSet, root_of
+from lrsr.pictures.tinyface import TinyFace
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What of the set takes part.
+
+    Attributes:
+        root: The folder that holds ``Testing_Set``.
+        distractors: How many; None: all.
+    """
+
+    root: str | None = None
+    distractors: int | None = None
+
+
+@dataclass(frozen=True)
+class TinyFaceStudy(SurveillanceSet):
+    """Every probe is looked for among its mates and the distractors.
+
+    Attributes:
+        wanted: What of the set takes part.
+    """
+
+    wanted: Wanted = field(default_factory=Wanted)
+
+    @classmethod
+    def from_config(cls, config: "DictConfig") -> Self:
+        """Read a composed configuration of ``lrsr eval``.
+
+        Raises:
+            InputError: A value is wrong; the message names the setting and the remedy.
+        """
+        return replace(super().from_config(config), wanted=section(Wanted, config, "tinyface"))
+
+    def describe(self) -> dict[str, Any]:
+        """Return all of it in plain values, for ``results.json``."""
+        return {**super().describe(), "tinyface": vars(self.wanted)}
+
+    def parts(self) -> list[Part]:
+        """Return the one search.
+
+        Raises:
+            InputError: The copy is not given, or cannot be used.
+        """
+        root = root_of(self.wanted.root, "tinyface.root")
+        copy = TinyFace(root, self.wanted.distractors)
+        pictures = {"probe": copy.probes(), "gallery": copy.gallery()}
+        return [replace(self.part_of(1, "TinyFace", pictures), search=True)]

@@ -1,0 +1,71 @@
+"""Tests of lrsr/experiments/surveillance_set.py and two of its studies, on made-up copies."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fakes.configurations import composed
+from fakes.sets import write_survface, write_tinyface
+
+from lrsr.errors import InputError
+from lrsr.experiments.survface_study import SurvFaceStudy
+from lrsr.experiments.tinyface_study import TinyFaceStudy
+from lrsr.pictures.cache import RenderCache
+
+pytestmark = pytest.mark.usefixtures("no_figures")
+
+STUDIES = {"tinyface": TinyFaceStudy, "survface": SurvFaceStudy}
+
+
+def run(folder: Path, name: str, *words: str) -> tuple[dict[str, Any], str]:
+    config = composed("eval", f"experiment={name}", "methods=[base]", *words)
+    asked = STUDIES[name].from_config(config)  # type: ignore[attr-defined]  # both have it
+    place = asked.run(folder / "run", RenderCache(folder / "cache"), progress=False)
+    return json.loads((place / "results.json").read_text()), (place / "report.html").read_text()
+
+
+def test_tinyface_is_a_search_among_distractors(tmp_path: Path, tone_model: Path) -> None:
+    root = write_tinyface(tmp_path / "set", people=3, distractors=2)
+    words = (f"tinyface.root={root}", f"recognition.model={tone_model}")
+    results, page = run(tmp_path, "tinyface", *words)
+    (found,) = results["searches"]
+    assert (found["n_mated"], found["n_unmated"], found["n_gallery"]) == (3, 0, 8)
+    assert [hit["rank"] for hit in found["hits"]] == [1, 5, 10, 20]
+    assert [hit["rate"] for hit in found["hits"]] == [1, 1, 1, 1]
+    assert found["open_set"] == []
+    (row,) = results["rows"]
+    assert (row["setting"], row["fta"], row["landmarks"]) == ("TinyFace", 0, "own")
+    assert (row["n_genuine"], row["n_impostor"]) == (6, 18)
+    for words_told in ("Identification", "Rank 20", "the whole picture stood for it"):
+        assert words_told in page
+    assert "A threshold set on other people" not in page
+    assert results["config"]["tinyface"] == {"root": str(root), "distractors": None}
+    assert not (tmp_path / "run" / "scores.csv").exists()
+
+
+def test_survface_has_listed_pairs_and_an_open_set(tmp_path: Path, tone_model: Path) -> None:
+    root = write_survface(tmp_path / "set", people=3, strangers=2)
+    words = ("survface.protocols=[verification,identification]", f"recognition.model={tone_model}")
+    results, page = run(tmp_path, "survface", f"survface.root={root}", *words)
+    pairs, search = results["rows"]
+    assert (pairs["n_genuine"], pairs["n_impostor"], pairs["rank_1"]) == (3, 3, None)
+    assert (search["n_genuine"], search["n_impostor"]) == (3, 3 * 2 + 2 * 3)  # three templates
+    (found,) = results["searches"]
+    assert (found["n_mated"], found["n_unmated"], found["n_gallery"]) == (3, 2, 3)
+    assert [point["target_fpir"] for point in found["open_set"]] == [0.3, 0.2, 0.1, 0.01]
+    assert found["open_set"][0]["tpir"] == 1
+    for told in ("TPIR20", "one template, the mean of embeddings", "QMUL-SurvFace, verification"):
+        assert told in page
+
+
+@pytest.mark.parametrize("name", [*STUDIES])
+def test_a_copy_must_be_given(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match=rf"{name}\.root=null: wanted the folder of your copy"):
+        run(tmp_path, name)
+
+
+@pytest.mark.parametrize("protocols", ["[]", "[training]"])
+def test_a_protocol_that_is_none_is_refused(tmp_path: Path, protocols: str) -> None:
+    with pytest.raises(InputError, match="some of verification, identification"):
+        run(tmp_path, "survface", f"survface.protocols={protocols}")
