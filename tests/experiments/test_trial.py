@@ -8,7 +8,8 @@ from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
-from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.design import Design
 from lrsr.experiments.trial import Trial
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population

@@ -9,7 +9,7 @@ from fakes.painted import PaintedMaker
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.experiments.asked import Asked
-from lrsr.experiments.design import Condition
+from lrsr.experiments.conditions import Condition
 from lrsr.experiments.scoring import Scoring
 from lrsr.experiments.verification import Verification
 from lrsr.identities.roster import IdentityRange

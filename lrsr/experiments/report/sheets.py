@@ -18,11 +18,12 @@ _LINE_PX = 20
 _DPI = 128  # a power of two: no pixel is lost on the way through inches and back
 
 
-def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
+def draw_contact_sheet(pictures: Mapping[str, torch.Tensor], rows: Sequence[str] = ()) -> bytes:
     """Draw columns side by side, a row a person, each picture as large as the others.
 
     Args:
         pictures: By heading, each ``(n, 3, h, w)`` srgb, [0, 1], any size, the same n people.
+        rows: What stands to the left of each row; empty: nothing.
 
     Returns:
         A PNG.
@@ -34,13 +35,18 @@ def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
         sizes = {heading: len(column) for heading, column in pictures.items()}
         raise ImageContractError(f"contact sheet: got {sizes}, wanted as many people in each")
     people, step = len(next(iter(pictures.values()))), _TILE_PX + _GAP_PX
-    sheet = np.ones((_HEADING_PX + people * step + _GAP_PX, len(pictures) * step + _GAP_PX, 3))
-    words = []
+    heading_px = _HEADING_PX * max(1 + heading.count("\n") for heading in pictures)
+    left, top = _GAP_PX + _TILE_PX * bool(rows), heading_px + _GAP_PX
+    sheet = np.ones((top + people * step, left + len(pictures) * step, 3))
+    words = [
+        (row, left / 2, top + k * step + _TILE_PX / 2, 7.8) for k, row in enumerate(rows[:people])
+    ]
     for number, (heading, column) in enumerate(pictures.items()):
-        x = _GAP_PX + number * step
-        words.append((heading, x + _TILE_PX / 2, _HEADING_PX / 2, 7.8))
+        x = left + number * step
+        size = min(7.8, 112 / max(1, *map(len, heading.split("\n"))))  # points that fit the width
+        words.append((heading, x + _TILE_PX / 2, heading_px / 2, size))
         for row, tile in enumerate(_tiles(column)):
-            y = _HEADING_PX + _GAP_PX + row * step
+            y = top + row * step
             sheet[y : y + _TILE_PX, x : x + _TILE_PX] = tile.permute(1, 2, 0)
     return _draw(sheet, words)
 

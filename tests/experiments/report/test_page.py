@@ -14,7 +14,8 @@ from fakes.measures import fnmr_at_fmr, trace_roc
 from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
 from lrsr.experiments.report.lines import _format_p, report_lines
-from lrsr.experiments.report.page import Panel, write_report
+from lrsr.experiments.report.page import write_report
+from lrsr.experiments.report.panel import Panel
 
 METHODS = {"base": "Base", "bicubic4": "Bicubic 4", "srcnn4": "SR 4"}
 
@@ -33,6 +34,7 @@ def make_row(
     return {
         "recogniser": "shipped",
         "option": option,
+        "setting": "",
         "ipd_px": 8.0,
         "method": method,
         "label": METHODS[method],
@@ -66,7 +68,7 @@ def make_results(options: tuple[int, ...] = (1,), **changes: Any) -> dict[str, A
                 "landmarks": "shared",
                 "method": method,
             }
-            comparisons.append({**names, "against": against, **test})
+            comparisons.append({**names, "against": against, "against_option": option, **test})
     config = {
         "name": "does_it_help",
         "question": "Is SR better than bicubic?",
