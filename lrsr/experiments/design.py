@@ -60,6 +60,8 @@ class Design:
         lpips: ONNX file that says how far pictures look from their references; None: nobody asks.
         burst: How the frames of a probe differ, where a method takes several.
         details: Show curves and faces of every condition in the report.
+        share: Of the people, (k, n): nothing but every n-th of them is rendered, beginning with the
+            k-th; None: all are, and evaluated.
 
     Raises:
         InputError: A number is out of its range, or the camera has a lens of its own besides a
@@ -85,6 +87,7 @@ class Design:
     lpips: Path | None = None
     burst: Burst = STILL
     details: bool = True
+    share: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         count = self.people.count
@@ -139,6 +142,7 @@ class Design:
             lpips=path_if_any(config.lpips, "lpips"),
             burst=read_burst(config),
             details=flag(config, "details"),
+            share=_share(config),
         )
 
     def camera_of(self, condition: Condition) -> Camera:
@@ -184,6 +188,17 @@ class Design:
             "probes_folder": None if self.probes_folder is None else str(self.probes_folder),
             "gallery_folder": None if self.gallery_folder is None else str(self.gallery_folder),
         }
+
+
+def _share(config: "DictConfig") -> tuple[int, int] | None:
+    shards = whole_number(config, "shards")
+    require(shards >= 1, "shards", shards, "at least 1")
+    if config.shard is None:
+        require(shards == 1, "shards", shards, "1, or shard=0, shard=1, ... in as many jobs")
+        return None
+    shard = whole_number(config, "shard")
+    require(0 <= shard < shards, "shard", shard, f"0 to shards - 1 = {shards - 1}")
+    return shard, shards
 
 
 def _upscalers(config: "DictConfig") -> dict[str, Upscaler | Several]:

@@ -126,13 +126,17 @@ class Trial:
         return sorted({upscaler.scale for upscaler in self.design.upscalers.values()} - {1})
 
     def render(self) -> int:
-        """Render whatever the cache lacks; return how many pictures that were."""
+        """Render whatever the cache lacks of all people, or of the share asked for.
+
+        Returns:
+            How many pictures that were.
+        """
         conditions = self.design.conditions
         sources = [self.gallery(skin) for skin in dict.fromkeys(one.skin for one in conditions)]
         for condition in conditions:
             references = [self.references(condition, scale) for scale in self._scales]
             sources += [self.probes(condition), *(one for one in references if one is not None)]
-        return render_sources(sources)
+        return render_sources(sources, self.design.share or (0, 1))
 
     def gallery(self, skin: Skin | None = None) -> Source:
         """Return everyone's enrolled picture.

@@ -72,7 +72,8 @@ class Verification(Design):
     ) -> Path:
         """Write ``results.json``, ``report.html``, ``scores.csv`` and ``faces_1.png``, ... .
 
-        Where axes are gone through, ``conditions.png`` shows all of it side by side.
+        Where axes are gone through, ``conditions.png`` shows all of it side by side. Of a share of
+        the people pictures are rendered, and nothing is written.
 
         Args:
             folder: Of the run; all goes into it.
@@ -93,6 +94,10 @@ class Verification(Design):
             for name, engine in engines.items()
         ]
         landmarks = trials[0].landmarks  # refused before anything is rendered
+        if self.share is not None:
+            count = trials[0].render()
+            logger.info("part %d of %d: %d pictures were lacking", *self.share, count)
+            return folder
         outcomes: list[Outcome] = []
         with score_file(folder) if self.save_scores else nullcontext() as table:
             for trial in trials:

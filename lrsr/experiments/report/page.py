@@ -19,6 +19,7 @@ from lrsr.experiments.report.lines import (
 )
 from lrsr.experiments.report.overview import Overview
 from lrsr.experiments.report.panel import Panel
+from lrsr.experiments.report.published import beside_published
 from lrsr.experiments.seen import WRONG_PLACE_IPDS
 from lrsr.pages import encode_face, write_page
 
@@ -97,6 +98,7 @@ def write_report(
         intervals=(
             draw_intervals(labels, measured, "Area under the ROC curve") if measured else None
         ),
+        published=beside_published(config["name"], rows),
         across={line["rival"]["label"] for line in lines if line["rival"]},
         panels=[_panel(panel, config["level"]) for panel in panels if config.get("details", True)],
         wrong_place_ipds=f"{WRONG_PLACE_IPDS:g}",
