@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from lrsr.camera import Camera
 from lrsr.camera.codec import COMPRESSIONS
 from lrsr.camera.preset_file import build_camera, read_preset_file
-from lrsr.configuration import as_word, numbered, numbers, require, whole_numbers, words
+from lrsr.configuration import (
+    as_list,
+    as_mapping,
+    as_word,
+    numbered,
+    numbers,
+    require,
+    whole_numbers,
+    words,
+)
 from lrsr.paths import user_path
 from lrsr.pictures.source import Photographs
 from lrsr.presets import value_of
@@ -163,7 +172,13 @@ def _axes(config: "DictConfig") -> dict[str, list[str]]:
     Raises:
         InputError: There is no such axis, or one without values, or with a value twice.
     """
-    axes = {str(name): words(config.axes, name) for name in config.axes}
+    given = as_mapping(config.axes, "axes")
+    axes = {
+        str(name): [
+            as_word(value, f"axes.{name}") for value in as_list(given[name], f"axes.{name}")
+        ]
+        for name in given
+    }
     for name, values in axes.items():
         require(name in _AXES, "axes", name, f"some of {', '.join(_AXES)}")
         require(len({*values}) == len(values) > 0, f"axes.{name}", values, "values, each once")

@@ -296,7 +296,10 @@ class Trial:
         likeness = {method: one.likeness for method, one in seen.items()}
         errors = {}
         if landmarks == "own":
-            likeness = {m: one.likeness | {FALSE_FACES: one.false_faces} for m, one in seen.items()}
+            likeness = {
+                method: one.likeness | {FALSE_FACES: one.false_faces.tolist()}
+                for method, one in seen.items()
+            }
             errors = {method: one.errors for method, one in seen.items()}
         if condition.option in {one.rival for one in self.design.conditions}:
             self._earlier[condition.option, condition.ipd_px, landmarks] = scores

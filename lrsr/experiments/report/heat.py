@@ -12,6 +12,7 @@ from lrsr.pages import DPI, STYLE, data_uri, png_bytes
 _LOW, _HIGH = 0.5, 1.0
 """Guessing and certainty; what lies outside has the colour of the end."""
 _ACROSS = 3
+_WIDTH = 7.2  # inches, as of all figures of a page
 _COLOURS = "cividis"  # rising in lightness, for any kind of colour vision and for grey print
 
 
@@ -31,7 +32,8 @@ def draw_heat_maps(
     rows, columns = len(table), len(next(iter(table.values())))
     across = min(_ACROSS, len(blocks))
     down = -(-len(blocks) // across)
-    size = (max(4.0, across * (0.6 * columns + 0.4) + 1.4), down * (0.36 * rows + 1.1) + 0.4)
+    wide = max(_WIDTH, across * (0.6 * columns + 0.4) + 1.4)
+    size = (wide, down * (0.3 * rows + 0.8) + 0.3)
     with rc_context(STYLE):
         figure = Figure(figsize=size, dpi=DPI, layout="constrained")
         grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)

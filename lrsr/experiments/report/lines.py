@@ -32,7 +32,7 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
     labels = method_labels(rows)
     settings = {row["option"]: row["setting"] for row in rows}
     tests: dict[object, dict[str, Any]] = {}
-    rivals: dict[object, dict[str, Any]] = {}
+    rivals: dict[tuple[Any, ...], dict[str, Any]] = {}
     for test, p_holm in zip(comparisons, adjusted, strict=True):
         told = {
             "difference": f"{test['difference']:+.3f}".replace("-", "−"),
@@ -45,11 +45,19 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
             tests.setdefault(_place(test), {})[test["against"]] = told | label
         else:
             rivals[_place(test)] = told | {"label": settings.get(other, f"option {other}")}
+    if len({rival["label"] for rival in rivals.values()}) > 1:
+        for place, rival in rivals.items():
+            rival["label"] = _differing(rival["label"], settings[place[1]])
     several = several_sources(rows)
     return [
         {**_line(row, tests.get(_place(row), {}), several), "rival": rivals.get(_place(row))}
         for row in rows
     ]
+
+
+def _differing(setting: str, other: str) -> str:
+    """Return the parts of one setting in which it differs from another."""
+    return ", ".join(part for part in setting.split(", ") if part not in other.split(", "))
 
 
 def several_sources(rows: _Records) -> Set[str]:
@@ -166,7 +174,7 @@ def _format_p(p: float, log10_p: float | None = None) -> str:
     return f"{mantissa}\u00a0×\u00a010{str(exponent).translate(_RAISED)}"
 
 
-def _place(record: Mapping[str, Any]) -> tuple[object, ...]:
+def _place(record: Mapping[str, Any]) -> tuple[Any, ...]:
     names = ("recogniser", "option", "ipd_px", "landmarks", "method")
     return tuple(record[name] for name in names)
 

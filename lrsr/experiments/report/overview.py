@@ -14,6 +14,10 @@ _MANY = 2
 """Axes from which on conditions make a table, of areas and of one person's faces."""
 
 
+_UNSEEN = ("detector",)
+"""Axes that change no picture."""
+
+
 @dataclass(frozen=True)
 class FaceGrid:
     """Faces side by side.
@@ -51,6 +55,7 @@ class Overview:
             one["option"]: one.get("varied", {}) for one in config.get("conditions", ())
         }
         self._axes = [*next(iter(self._varied.values()), {})]
+        self._seen = [axis for axis in self._axes if axis not in _UNSEEN]
 
     def heat_maps(self, rows: Sequence[Mapping[str, Any]]) -> list[Figure]:
         """Draw the areas of each method, recogniser and source of landmarks; rows of results."""
@@ -60,7 +65,8 @@ class Overview:
         sized = len({row["ipd_px"] for row in rows}) > 1
         for row in rows:
             name = (row["recogniser"], row["label"], row["landmarks"])
-            across, down, block = self._place(row["option"], row["ipd_px"] if sized else None)
+            size = row["ipd_px"] if sized else None
+            across, down, block = self._place(row["option"], size, self._axes)
             maps = found.setdefault(name, {}).setdefault(block, {})
             maps.setdefault(down, {})[across] = row["auc"]
         return [
@@ -76,15 +82,16 @@ class Overview:
     def faces(self, panels: Sequence[Panel]) -> list[FaceGrid]:
         """Put probes side by side: one axis, everybody shown; several, the first person."""
         shown = [panel for panel in panels if panel.place and "Probe" in panel.pictures]
-        if not self._axes or not shown:
+        if not self._seen or not shown:
             return []
         sized = len({panel.place[1] for panel in shown if panel.place}) > 1
         blocks: dict[str, dict[str, dict[str, torch.Tensor]]] = {}
         for panel in shown:
             option, ipd_px = panel.place or (0, None)
-            across, down, block = self._place(option, ipd_px if sized else None)
+            size = ipd_px if sized else None
+            across, down, block = self._place(option, size, self._seen)
             grid = blocks.setdefault(block, {})
-            if len(self._axes) >= _MANY:
+            if len(self._seen) >= _MANY:
                 grid.setdefault(down, {})[across] = panel.pictures["Probe"][0]
                 continue
             for person, face in zip(panel.people, panel.pictures["Probe"], strict=False):
@@ -96,9 +103,12 @@ class Overview:
             for title, grid in blocks.items()
         ]
 
-    def _place(self, option: int, ipd_px: float | None) -> tuple[str, str, str]:
+    def _place(
+        self, option: int, ipd_px: float | None, axes: Sequence[str]
+    ) -> tuple[str, str, str]:
         """Return column, row and block of a condition by name."""
-        named = [(axis.replace("_", " "), name) for axis, name in self._varied[option].items()]
+        varied = self._varied[option]
+        named = [(axis.replace("_", " "), varied[axis]) for axis in axes]
         words = [f"{axis} {name}" for axis, name in named]
         rest = words[_MANY:] + ([] if ipd_px is None else [f"IPD {ipd_px:g} px"])
         if len(named) < _MANY:
