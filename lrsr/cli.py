@@ -244,7 +244,8 @@ def _given_camera(text: str, scratch: Path) -> str:
 def _task(function: str, failures: list[Exception]) -> "Callable[[DictConfig], None]":
     """Wrap a task for Hydra, which would print a line of its own about what it lets through.
 
-    In a multirun the jobs after a failed one are still done, and each failure is told by its job.
+    In a multirun the jobs after a failed one are still done, and each failure is told by its job;
+    of those that a launcher such as joblib's runs in other processes, the first.
     """
     from hydra.core.hydra_config import HydraConfig
     from hydra.types import RunMode
@@ -259,6 +260,8 @@ def _task(function: str, failures: list[Exception]) -> "Callable[[DictConfig], N
             if hydra.mode == RunMode.MULTIRUN:
                 asked = " ".join(word.lstrip("+") for word in hydra.overrides.task)
                 error.add_note(f"job {hydra.job.num} ({asked})")
+                if not hydra.launcher._target_.startswith("hydra._internal."):
+                    raise  # in a process of a launcher's own: Hydra brings it to ours
             failures.append(error)
 
     return run

@@ -19,7 +19,10 @@ from typing import Any, NamedTuple
 from lrsr.errors import InputError
 from lrsr.paths import user_path
 
-_OPEN = {"sr", "fusion", "conditions", "trainer", "callbacks", "logger", "optimizer", "scheduler"}
+_OPEN = {
+    *("sr", "fusion", "conditions", "axes"),
+    *("trainer", "callbacks", "logger", "optimizer", "scheduler"),
+}
 """Sections that take parts under any name."""
 
 _EXTRA = "debug"  # the group that no command has from the start

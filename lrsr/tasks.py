@@ -353,4 +353,5 @@ def run_train(config: "DictConfig") -> Path:
 def _cache(config: "DictConfig") -> "RenderCache":
     from lrsr.pictures.cache import RenderCache
 
-    return RenderCache(path_if_any(config.paths.cache, "paths.cache") or cache_folder())
+    folder = path_if_any(config.paths.cache, "paths.cache") or cache_folder()
+    return RenderCache(folder, whole_number(config, "processes"))

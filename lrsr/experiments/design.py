@@ -1,86 +1,37 @@
 """What is asked of a verification experiment? Who, how pictured, how enlarged, how sure."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from lrsr.camera import Camera
-from lrsr.camera.codec import COMPRESSIONS
 from lrsr.configuration import (
     as_mapping,
     as_word,
     flag,
     number,
-    numbered,
-    numbers,
     require,
     seed_of,
     whole_number,
-    whole_numbers,
     words,
 )
 from lrsr.evaluation.calibrators import CALIBRATORS
 from lrsr.experiments.asked import Asked
+from lrsr.experiments.conditions import Condition, photographed, read_conditions
 from lrsr.experiments.several import Several, read_several
 from lrsr.identities.roster import IdentityRange
 from lrsr.paths import path_if_any
 from lrsr.pictures.burst import STILL, Burst
 from lrsr.pictures.sitting import Sitting, read_burst, read_gallery, read_people, read_quality
-from lrsr.pictures.source import Photographs, read_photographs
-from lrsr.presets import build, preset, presets, value_of
+from lrsr.pictures.source import read_photographs
+from lrsr.presets import build, preset, presets
 from lrsr.recognition.settings import RecognitionSettings
-from lrsr.rendering.scene import Film, Quality, Scene
+from lrsr.rendering.scene import Quality
 from lrsr.sr.upscaler import Upscaler
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
-
-
-_OF_EVERY_PROBE = ("lens", "standpoint", "expression", "another_day")
-"""What all conditions share, but for those that say otherwise."""
-
-
-@dataclass(frozen=True)
-class Condition:
-    """One way to photograph everyone: an option of the experiment at one size.
-
-    Attributes:
-        option: Number of the option, e.g. 1 to 6 of the paper's Table 2.
-        scene: What stands before the camera; None for photographs.
-        compression: ``none``, ``small`` or ``heavy``; what the manifest says of photographs.
-        ipd_px: Interpupillary distance on the probe, px; None: not known.
-        pose: Its name; empty: not known.
-        lighting: Its name; empty: not known.
-    """
-
-    option: int
-    scene: Scene | None
-    compression: str
-    ipd_px: float | None
-    pose: str = ""
-    lighting: str = ""
-
-    def __post_init__(self) -> None:
-        if self.scene is None:
-            return
-        object.__setattr__(self, "pose", self.scene.pose.name)
-        object.__setattr__(self, "lighting", self.scene.lighting.name)
-        ipd_px = Film(self.ipd_px or 0).ipd_px
-        require(ipd_px >= 4, "ipd_px", f"{ipd_px:g}", "at least 4")
-        known = f"one of {', '.join(COMPRESSIONS)}"
-        require(self.compression in COMPRESSIONS, "compression", self.compression, known)
-
-    @property
-    def title(self) -> str:
-        """What a report calls it."""
-        size = "" if self.ipd_px is None else f", IPD {self.ipd_px:g} px"
-        known = {"pose": self.pose, "light": self.lighting, "compression": self.compression}
-        told = [f"{word} {name}" for word, name in known.items() if name]
-        if self.scene is not None:
-            worn = (self.scene.expression.name, self.scene.another_day.name)
-            told += [name for name in worn if name not in ("neutral", "none")]
-        return f"Option {self.option}{size}" + (f": {', '.join(told)}" if told else "")
 
 
 @dataclass(frozen=True)
@@ -108,6 +59,9 @@ class Design:
             :data:`lrsr.evaluation.calibrators.CALIBRATORS`.
         lpips: ONNX file that says how far pictures look from their references; None: nobody asks.
         burst: How the frames of a probe differ, where a method takes several.
+        details: Show curves and faces of every condition in the report.
+        share: Of the people, (k, n): nothing but every n-th of them is rendered, beginning with the
+            k-th; None: all are, and evaluated.
 
     Raises:
         InputError: A number is out of its range, or the camera has a lens of its own besides a
@@ -132,6 +86,8 @@ class Design:
     calibration: str = "logistic"
     lpips: Path | None = None
     burst: Burst = STILL
+    details: bool = True
+    share: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         count = self.people.count
@@ -139,8 +95,10 @@ class Design:
             wish = "at least 2: nobody is an impostor alone"
             require(count >= 2, "identities.count", count, wish)
         require(len(self.conditions) > 0, "options", [], "at least one")
-        for lens in (condition.scene.lens for condition in self.conditions if condition.scene):
-            self.camera.check_lens(lens.name, pinhole=lens.is_pinhole)
+        for condition in self.conditions:
+            if condition.scene is not None:
+                lens = condition.scene.lens
+                self.camera_of(condition).check_lens(lens.name, pinhole=lens.is_pinhole)
         require(len(self.upscalers) > 0, "methods", [], "at least one")
         if "own" not in self.recognition.landmarks:
             for name, one in self.upscalers.items():
@@ -159,13 +117,15 @@ class Design:
         Raises:
             InputError: A value is wrong; the message names the setting and the remedy.
         """
-        conditions, probes = _conditions(config), path_if_any(config.probes.folder, "probes.folder")
-        if probes is not None:
-            conditions = (_condition_of(read_photographs(probes, "probe")),)
+        probes = path_if_any(config.probes.folder, "probes.folder")
         return cls(
             name=as_word(config.name, "name"),
             question=as_word(config.question, "question"),
-            conditions=conditions,
+            conditions=(
+                read_conditions(config)
+                if probes is None
+                else photographed(config, read_photographs(probes, "probe"))
+            ),
             upscalers=read_upscalers(config) | read_several(config),
             people=read_people(config),
             quality=read_quality(config),
@@ -181,7 +141,22 @@ class Design:
             calibration=as_word(config.calibration, "calibration"),
             lpips=path_if_any(config.lpips, "lpips"),
             burst=read_burst(config),
+            details=flag(config, "details"),
+            share=_share(config),
         )
+
+    def camera_of(self, condition: Condition) -> Camera:
+        """Return what takes the probes, with the condition's compression."""
+        return (condition.camera or self.camera).compressing(condition.compression)
+
+    def means_of(self, condition: Condition) -> dict[str, str]:
+        """Name what pictures everybody and finds them; empty for photographs' cameras and skins."""
+        ours, rendered = self.recognition.detector, condition.scene is not None
+        return {
+            "camera": (condition.camera or self.camera).name if rendered else "",
+            "skin": (condition.skin or self.quality.skin).name if rendered else "",
+            "detector": condition.detector or ("shipped" if ours is None else ours.stem),
+        }
 
     @property
     def frames(self) -> int:
@@ -198,10 +173,7 @@ class Design:
         return {
             "name": self.name,
             "question": self.question,
-            "conditions": [
-                {**vars(one), "scene": None if one.scene is None else one.scene.describe()}
-                for one in self.conditions
-            ],
+            "conditions": [one.describe() for one in self.conditions],
             "methods": {name: upscaler.describe() for name, upscaler in self.upscalers.items()},
             "identities": asdict(self.people),
             "rendering": asdict(self.quality),
@@ -211,40 +183,22 @@ class Design:
             "bootstrap": self.bootstrap,
             "calibration": self.calibration,
             "seed": self.seed,
+            "details": self.details,
             **({"burst": asdict(self.burst)} if self.frames > 1 else {}),
             "probes_folder": None if self.probes_folder is None else str(self.probes_folder),
             "gallery_folder": None if self.gallery_folder is None else str(self.gallery_folder),
         }
 
 
-def _conditions(config: "DictConfig") -> tuple[Condition, ...]:
-    table = numbered(config, "conditions")
-    usual: dict[str, Any] = {"pose": "frontal", "lighting": "frontal", "compression": "none"}
-    usual |= {group: config[group] for group in _OF_EVERY_PROBE}
-    chosen, sizes = whole_numbers(config, "options"), numbers(config, "ipd_px")
-    for option in chosen:
-        require(option in table, "options", option, f"one of {sorted(table)}")
-    scenes = {}
-    for option, settings in table.items():  # those that are not chosen are to be right, too
-        node = usual | settings
-        compression = as_word(node.pop("compression"), f"conditions.{option}.compression")
-        for group in node:
-            wish = f"no such setting; there are {', '.join(usual)}"
-            require(group in usual, f"conditions.{option}", group, wish)
-        scene = Scene(**{group: value_of(group, node[group]) for group in node})
-        scenes[option] = Condition(option, scene, compression, sizes[0] if sizes else 8.0)
-    return tuple(replace(scenes[option], ipd_px=ipd) for ipd in sizes for option in chosen)
-
-
-def _condition_of(photographs: Photographs) -> Condition:
-    """Say of photographs what their manifest says of all of them."""
-
-    def common(name: str, otherwise: Any) -> Any:
-        told = {getattr(entry, name) for entry in photographs.entries}
-        return told.pop() if len(told) == 1 else otherwise
-
-    names = {name: common(name, "") for name in ("compression", "pose", "lighting")}
-    return Condition(1, None, ipd_px=common("ipd_px", None), **names)
+def _share(config: "DictConfig") -> tuple[int, int] | None:
+    shards = whole_number(config, "shards")
+    require(shards >= 1, "shards", shards, "at least 1")
+    if config.shard is None:
+        require(shards == 1, "shards", shards, "1, or shard=0, shard=1, ... in as many jobs")
+        return None
+    shard = whole_number(config, "shard")
+    require(0 <= shard < shards, "shard", shard, f"0 to shards - 1 = {shards - 1}")
+    return shard, shards
 
 
 def read_upscalers(config: "DictConfig") -> dict[str, Upscaler]:

@@ -16,7 +16,7 @@ from lrsr.evaluation.summary import Summary
 from lrsr.experiments.asked import Asked
 from lrsr.experiments.labels import Labels
 from lrsr.experiments.report.curves import draw_det_and_cmc, draw_discard, draw_ece, draw_tippett
-from lrsr.experiments.report.page import Figure
+from lrsr.experiments.report.panel import Figure
 from lrsr.experiments.table import Record
 
 _FEWEST = 10
@@ -33,7 +33,7 @@ _ENDS = ("", "_low", "_high")
 logger = logging.getLogger(__name__)
 
 
-NAMES = ("option", "ipd_px", "method", "label", "landmarks", "recogniser")
+NAMES = ("option", "setting", "ipd_px", "method", "label", "landmarks", "recogniser")
 """What names a method under a condition in every record."""
 
 
@@ -69,6 +69,8 @@ def look_further(
     systems: Mapping[str, System],
     summaries: Mapping[str, Summary],
     people: Mapping[str, Labels],
+    *,
+    draw: bool = True,
 ) -> Further:
     """Find further results of one condition.
 
@@ -78,6 +80,7 @@ def look_further(
         systems: By method.
         summaries: By method, of the same scores; of those that have none nothing is told.
         people: To which groups each belongs; may be empty.
+        draw: With figures.
     """
     systems = {method: system for method, system in systems.items() if method in summaries}
     if not systems:
@@ -93,7 +96,7 @@ def look_further(
             for record in _groups(asked, system, summaries[method], people)
         ],
         [about[record.pop("method")] | record for record in discards],
-        _figures(titles, summaries, evidence, curves),
+        _figures(titles, summaries, evidence, curves) if draw else (),
     )
 
 

@@ -21,7 +21,8 @@ from lrsr.experiments.labels import Labels, labels_of_entry
 from lrsr.experiments.portraits import Cut, Portrait, Portraits, look_over, without_copies
 from lrsr.experiments.report.candidates import shown_candidates
 from lrsr.experiments.report.lines import best_methods, report_lines
-from lrsr.experiments.report.page import Panel, write_report
+from lrsr.experiments.report.page import write_report
+from lrsr.experiments.report.panel import Panel
 from lrsr.experiments.systems import Comparer, Comparison, known_landmarks
 from lrsr.experiments.table import Record, evaluate, with_holm
 from lrsr.files import write_json, write_text

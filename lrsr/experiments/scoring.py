@@ -17,7 +17,8 @@ from lrsr.experiments.asked import Asked
 from lrsr.experiments.further import NAMES, Further, gather, look_further
 from lrsr.experiments.labels import Labels, read_labels
 from lrsr.experiments.report.lines import condition_of
-from lrsr.experiments.report.page import Panel, write_report
+from lrsr.experiments.report.page import write_report
+from lrsr.experiments.report.panel import Panel
 from lrsr.experiments.table import (
     Record,
     area_record,
@@ -175,6 +176,7 @@ class Scoring:
                 {
                     "experiment": self.name,
                     "option": int(name.option) if name.option.isdigit() else name.option or None,
+                    "setting": "",
                     "ipd_px": _ipd(name.ipd_px),
                     "method": key,
                     "label": key,
@@ -186,10 +188,12 @@ class Scoring:
                 }
             )
         condition = {
-            name: rows[0][name] for name in ("recogniser", "option", "ipd_px", "landmarks")
+            name: rows[0][name]
+            for name in ("recogniser", "option", "setting", "ipd_px", "landmarks")
         }
+        same = {"against_option": condition["option"]}
         tests = [
-            {**condition, "method": a, "against": b, **comparison_record(test)}
+            {**condition, "method": a, "against": b, **same, **comparison_record(test)}
             for (a, b), test in evaluation.comparisons.items()
         ]
         about = {row["method"]: {name: row[name] for name in NAMES} for row in rows}

@@ -17,6 +17,9 @@ from lrsr.sr.upscaler import Upscaler
 
 _Floats = NDArray[np.floating[Any]]
 
+WRONG_PLACE_IPDS = 0.25
+"""A face whose landmarks are farther off than this, on average, is in a wrong place."""
+
 
 class Seen:
     """What one method has made of the pictures so far, in their order.
@@ -35,6 +38,7 @@ class Seen:
         self._embeddings: dict[Landmarks, list[_Floats]] = {one: [] for one in landmarks}
         self._errors: list[_Floats] = []
         self._scores: list[_Floats] = []
+        self._false: list[_Floats] = []
         self.likeness: dict[str, list[float]] = {}
 
     def joined(self, landmarks: Landmarks) -> NDArray[np.float64]:
@@ -48,6 +52,14 @@ class Seen:
         NaN where no face was looked for or found, or the true landmarks are not known.
         """
         return np.concatenate(self._errors)
+
+    @property
+    def false_faces(self) -> _Floats:
+        """How many faces were reported that are in a wrong place, or a second one, ``(n,)``.
+
+        NaN where no face was looked for, or the true landmarks are not known.
+        """
+        return np.concatenate(self._false)
 
     @property
     def qualities(self) -> dict[str, list[float]]:
@@ -77,7 +89,7 @@ class Seen:
         groups = by_size(pictures)
         order = np.argsort(np.concatenate(groups))
         parts: dict[Landmarks, list[_Floats]] = {one: [] for one in self._embeddings}
-        found: list[tuple[_Floats, _Floats]] = []
+        found: list[tuple[_Floats, ...]] = []
         likeness: list[dict[str, _Floats]] = []
         for members in groups:
             views, points = see(upscaler, [pictures[i] for i in members])
@@ -88,6 +100,7 @@ class Seen:
             nothing = np.full(len(images), np.nan)
             scores = (nothing if faces is None else faces.scores).reshape(views.shape[:2])
             errors = nothing if faces is None else landmark_errors(faces.landmarks_px, known)
+            false = nothing if faces is None else _false_faces(faces.counts, errors)
             if "shared" in parts or measured is not None:
                 embedded = engine.embed(images, known)
             if "shared" in parts:
@@ -98,15 +111,22 @@ class Seen:
                 rows = engine.embed(images, faces.landmarks_px, faces.boxes_px)
                 parts["own"].append(_pooled(upscaler, rows, scores))
             best = surest(scores)  # of several views
-            found.append((errors.reshape(scores.shape)[best], scores[best]))
+            found.append(tuple(one.reshape(scores.shape)[best] for one in (errors, scores, false)))
         for source, rows_of in parts.items():
             self._embeddings[source].append(np.concatenate(rows_of)[order])
-        errors, scores = (np.concatenate(some)[order] for some in zip(*found, strict=True))
-        self._errors.append(errors)
-        self._scores.append(scores)
+        for kept, some in zip(
+            (self._errors, self._scores, self._false), zip(*found, strict=True), strict=True
+        ):
+            kept.append(np.concatenate(some)[order])
         for name in likeness[0] if likeness else ():
             values = np.concatenate([one[name] for one in likeness])[order]
             self.likeness.setdefault(name, []).extend(values.tolist())
+
+
+def _false_faces(counts: _Floats, errors: _Floats) -> _Floats:
+    """Return how many faces are left when the one in the right place is taken away."""
+    false = counts - (errors <= WRONG_PLACE_IPDS)
+    return np.where((counts > 0) & np.isnan(errors), np.nan, false)
 
 
 def _pooled(upscaler: Upscaler | Several, rows: _Floats, scores: _Floats) -> _Floats:

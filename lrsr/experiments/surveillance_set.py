@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from lrsr.configuration import require
 from lrsr.evaluation.score_files.writing import score_file
-from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.design import Design
 from lrsr.experiments.further import gather
 from lrsr.experiments.report.lines import condition_of, several_sources
 from lrsr.experiments.report.page import write_report
@@ -120,11 +121,12 @@ class SurveillanceSet(Design, ABC):
         parts = self.parts()
         memory = Memory(cache.folder / "recognition")
         engines, finder = self.recognition.engines(memory), self.recognition.finder(memory)
+        finders = {None: finder} if finder else {}
         looks = (
             PerceptualDistance(self.lpips, device=self.recognition.device) if self.lpips else None
         )
         trials = [
-            SetTrial(part.design, cache, engine, maker, finder, name, progress, looks, part=part)
+            SetTrial(part.design, cache, engine, maker, finders, name, progress, looks, part=part)
             for name, engine in engines.items()
             for part in parts
         ]

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, fields
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +15,10 @@ from lrsr.evaluation.delong import AucComparison, AucEstimate
 from lrsr.evaluation.multiplicity import holm_adjusted
 from lrsr.evaluation.scores import ScoreSource
 from lrsr.evaluation.summary import Evaluation, Summary, summarise
-from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.design import Design
 from lrsr.experiments.likeness import MEASURES
+from lrsr.experiments.seen import WRONG_PLACE_IPDS
 from lrsr.experiments.several import Several
 from lrsr.recognition.settings import Landmarks
 from lrsr.sr.upscaler import Upscaler
@@ -24,8 +26,8 @@ from lrsr.sr.upscaler import Upscaler
 Record = dict[str, Any]
 """A line of ``results.json`` in plain values."""
 
-WRONG_PLACE_IPDS = 0.25
-"""A face whose landmarks are farther off than this, on average, is in a wrong place."""
+FALSE_FACES = "false_faces"
+"""A mean over the probes, as those of :data:`~lrsr.experiments.likeness.MEASURES`."""
 
 _UNTOLD = ("wald_leaves_range", "degenerate")
 _AREA = tuple(one.name for one in fields(AucEstimate) if one.name not in _UNTOLD)
@@ -42,6 +44,7 @@ def evaluate(
     likeness: Mapping[str, Mapping[str, Sequence[float]]],
     landmarks: Landmarks = "shared",
     errors: Mapping[str, ArrayLike] | None = None,
+    rivals: Mapping[str, ScoreSource] | None = None,
 ) -> tuple[list[Record], list[Record], Mapping[str, Summary]]:
     """Evaluate all methods under one condition with landmarks of one source, and test pairs.
 
@@ -50,47 +53,58 @@ def evaluate(
         condition: Of the probes.
         scores: By method.
         likeness: By method and measure, how like its reference each probe became, see
-            :mod:`lrsr.experiments.likeness`; empty where there is no reference.
+            :mod:`lrsr.experiments.likeness`, and how many false faces were found on it; empty where
+            that is not known.
         landmarks: Their source.
         errors: By method, of each probe's landmarks in distances of the true eyes; NaN where no
             face was found or the true ones are not known.
+        rivals: By method, the scores of the same people under the condition's rival; those that
+            are there are tested against.
 
     Returns:
         A row a method, the paired tests, and the summary of each method. A row names experiment,
-        option, ipd_px, pose, lighting and compression of the probe (empty or None where a
-        photograph's are not known), method, label, frames and landmarks; holds the numbers of
-        :class:`~lrsr.evaluation.delong.AucEstimate`; psnr_y_db (mean over the
-        probes; None where nothing is enlarged or a probe equals its reference), fta, eer, d_prime,
-        rank_1; fnmr, an :class:`~lrsr.evaluation.rates.OperatingPoint` for each target FMR;
-        wrong_place, the share of the faces found whose landmarks are more than
-        :data:`WRONG_PLACE_IPDS` off, and landmark_distance_ipds, how far they are off on average,
-        both None where that is not known; and the other :data:`~lrsr.experiments.likeness.MEASURES`
-        as means over the probes for which they are known. Where faces were found on so few pictures
-        that nothing can be measured, all but counts, fta, likeness and landmarks is None, fnmr is
-        empty and there is no curve. A test names option, ipd_px, landmarks, method and against, and
-        holds the numbers of :class:`~lrsr.evaluation.delong.AucComparison`, None for those that are
-        infinite.
+        option, its setting in words where it has one, ipd_px, pose, lighting and compression of the
+        probe (empty or None where a photograph's are not known), camera, skin, detector, method,
+        label, frames and landmarks; holds the numbers of
+        :class:`~lrsr.evaluation.delong.AucEstimate`; psnr_y_db (mean over the probes; None where
+        nothing is enlarged or a probe equals its reference), fta, eer, d_prime, rank_1; fnmr, an
+        :class:`~lrsr.evaluation.rates.OperatingPoint` for each target FMR; wrong_place, the share
+        of the faces found whose landmarks are more than :data:`WRONG_PLACE_IPDS` off, and
+        landmark_distance_ipds, how far they are off on average, both None where that is not known;
+        and :data:`FALSE_FACES` and the other :data:`~lrsr.experiments.likeness.MEASURES` as means
+        over the probes for which they are known. Where faces were found on so few pictures that
+        nothing can be measured, all but counts, fta, likeness and landmarks is None, fnmr is empty
+        and there is no curve. A test names option, setting, ipd_px, landmarks, method, against and
+        against_option, which is the same option or its rival, and holds the numbers of
+        :class:`~lrsr.evaluation.delong.AucComparison`, None for those that are infinite.
 
     Raises:
         ScoreError: Fewer than two genuine or impostor scores are left, although nothing failed.
     """
-    pairs = _rivals(design.upscalers)
-    found = _measure(scores, pairs, design)
+    pairs = [_Pair(*pair, condition.option) for pair in _rivals(design.upscalers)]
+    others = {f"{method}, option {condition.rival}": one for method, one in (rivals or {}).items()}
+    across = dict(zip(rivals or {}, others, strict=True))
+    keyed = {(pair.method, pair.against): pair for pair in pairs}
+    keyed |= {
+        (method, other): _Pair(method, method, condition.rival or 0)
+        for method, other in across.items()
+    }
+    found = _measure({**scores, **others}, [*keyed], design)
     rows = []
     for method, source in scores.items():
         summary = found.summaries.get(method)
         numbers = counts_record(source) if summary is None else _numbers(summary)
         off = (errors or {}).get(method, ())
-        means = {name: _mean(likeness[method].get(name, ())) for name in MEASURES}
+        means = {name: _mean(likeness[method].get(name, ())) for name in (*MEASURES, FALSE_FACES)}
         told = _names(design, condition, method, landmarks)
         places = {"wrong_place": _share_beyond(off), "landmark_distance_ipds": _mean(off)}
         rows.append({**told, **numbers, **places, **means})
     tests = [
-        _comparison(condition, landmarks, pair, found.comparisons[pair])
-        for pair in pairs
-        if pair in found.comparisons
+        _comparison(condition, landmarks, pair, found.comparisons[key])
+        for key, pair in keyed.items()
+        if key in found.comparisons
     ]
-    return rows, tests, found.summaries
+    return rows, tests, {name: one for name, one in found.summaries.items() if name in scores}
 
 
 def with_holm(tests: Sequence[Record]) -> list[Record]:
@@ -150,14 +164,24 @@ def _rivals(upscalers: Mapping[str, Upscaler | Several]) -> list[tuple[str, str]
     ]
 
 
+class _Pair(NamedTuple):
+    """A method, and which it is tested against under which option."""
+
+    method: str
+    against: str
+    option: int
+
+
 def _names(design: Design, condition: Condition, method: str, landmarks: Landmarks) -> Record:
     return {
         "experiment": design.name,
         "option": condition.option,
+        "setting": condition.setting,
         "ipd_px": condition.ipd_px,
         "pose": condition.pose,
         "lighting": condition.lighting,
         "compression": condition.compression,
+        **design.means_of(condition),
         "method": method,
         "label": design.upscalers[method].label,
         "frames": getattr(design.upscalers[method], "frames", 1),
@@ -216,11 +240,18 @@ def _share_beyond(errors: ArrayLike) -> float | None:
 
 
 def _comparison(
-    condition: Condition, landmarks: Landmarks, pair: tuple[str, str], test: AucComparison
+    condition: Condition, landmarks: Landmarks, pair: _Pair, test: AucComparison
 ) -> Record:
-    method, against = pair
-    names = {"option": condition.option, "ipd_px": condition.ipd_px, "landmarks": landmarks}
-    return {**names, "method": method, "against": against, **comparison_record(test)}
+    return {
+        "option": condition.option,
+        "setting": condition.setting,
+        "ipd_px": condition.ipd_px,
+        "landmarks": landmarks,
+        "method": pair.method,
+        "against": pair.against,
+        "against_option": pair.option,
+        **comparison_record(test),
+    }
 
 
 def comparison_record(test: AucComparison) -> Record:

@@ -88,7 +88,7 @@ class TrainingStudy:
     unread: ClassVar[tuple[str, ...]] = (
         *("identities", "rendering", "camera", "lens", "standpoint", "expression", "another_day"),
         *("gallery", "probes", "recognition", "sr", "level", "bootstrap", "save_scores"),
-        "calibration",
+        *("calibration", "axes", "against", "details", "shard", "shards"),
     )
     """Settings of ``lrsr eval`` that change nothing here."""
 

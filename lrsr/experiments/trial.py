@@ -1,7 +1,7 @@
 """A verification experiment under way: rendered, photographed, enlarged, embedded and scored."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -12,14 +12,16 @@ from lrsr.errors import InputError
 from lrsr.evaluation.roc import RocCurve
 from lrsr.evaluation.score_files.system import Name, System
 from lrsr.evaluation.score_files.writing import ScoreFile
-from lrsr.experiments.design import Condition, Design
+from lrsr.evaluation.scores import ScoreSource
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.design import Design
 from lrsr.experiments.further import NAMES, Further, look_further
 from lrsr.experiments.labels import Labels, labels_of, labels_of_entry
 from lrsr.experiments.likeness import Truth
-from lrsr.experiments.report.page import Panel
+from lrsr.experiments.report.panel import Panel
 from lrsr.experiments.seen import Seen
 from lrsr.experiments.several import Pooled, see
-from lrsr.experiments.table import Record, evaluate
+from lrsr.experiments.table import FALSE_FACES, Record, evaluate
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.picture import Picture, stack
@@ -40,6 +42,7 @@ from lrsr.recognition.finder import Finder
 from lrsr.recognition.recognisers import Recogniser
 from lrsr.recognition.settings import Landmarks
 from lrsr.rendering.scene import Film
+from lrsr.rendering.skin import Skin
 from lrsr.sr.perceptual import PerceptualDistance
 from lrsr.sr.upscaler import Bicubic
 
@@ -76,6 +79,14 @@ class _Judged(NamedTuple):
     curves: Mapping[str, RocCurve]
 
 
+class _Enrolled(NamedTuple):
+    """The gallery, what was made of it, and its first pictures."""
+
+    source: Source
+    seen: Seen
+    shown: Sequence[Picture]
+
+
 @dataclass(frozen=True)
 class Trial:
     """A verification experiment under way.
@@ -84,7 +95,7 @@ class Trial:
         design: What is asked.
         cache: Where renderings are kept.
         engine: What recognises.
-        finder: What finds faces; needed where landmarks are own.
+        finders: What finds faces, by :attr:`Condition.detector`; needed where landmarks are own.
         maker: Renders what the cache lacks; Mitsuba when None.
         name: What a report calls the engine.
         progress: Show bars while rendering.
@@ -95,28 +106,50 @@ class Trial:
     cache: RenderCache
     engine: Recogniser
     maker: Maker | None = None
-    finder: Finder | None = None
+    finders: Mapping[str | None, Finder] = field(default_factory=dict)
     name: str = "shipped"
     progress: bool = True
     perceptual: PerceptualDistance | None = None
+
+    @cached_property
+    def _galleries(self) -> dict[tuple[Skin | None, str | None], _Enrolled]:
+        """By skin and detector; filled on the way."""
+        return {}
+
+    @cached_property
+    def _earlier(self) -> dict[tuple[int, float | None, Landmarks], Mapping[str, ScoreSource]]:
+        """Scores of rivals by option, size and landmarks, then by method; filled on the way."""
+        return {}
 
     @property
     def _scales(self) -> list[int]:
         return sorted({upscaler.scale for upscaler in self.design.upscalers.values()} - {1})
 
     def render(self) -> int:
-        """Render whatever the cache lacks; return how many pictures that were."""
-        sources = [self.gallery()]
-        for condition in self.design.conditions:
+        """Render whatever the cache lacks of all people, or of the share asked for.
+
+        Returns:
+            How many pictures that were.
+        """
+        conditions = self.design.conditions
+        sources = [self.gallery(skin) for skin in dict.fromkeys(one.skin for one in conditions)]
+        for condition in conditions:
             references = [self.references(condition, scale) for scale in self._scales]
             sources += [self.probes(condition), *(one for one in references if one is not None)]
-        return render_sources(sources)
+        return render_sources(sources, self.design.share or (0, 1))
 
-    def gallery(self) -> Source:
-        """Return everyone's enrolled picture."""
+    def gallery(self, skin: Skin | None = None) -> Source:
+        """Return everyone's enrolled picture.
+
+        Args:
+            skin: That everybody has; None: the experiment's.
+        """
         if "gallery" in self._given:
             return self._given["gallery"]
-        return self._rendered(self.design.gallery.recipes(), self.design.camera.clean())
+        sitting = self.design.gallery
+        if skin is not None:
+            sitting = replace(sitting, quality=replace(sitting.quality, skin=skin))
+        return self._rendered(sitting.recipes(), self.design.camera.clean())
 
     def probes(self, condition: Condition) -> Source:
         """Return the probes, with as many frames as the methods take.
@@ -128,10 +161,7 @@ class Trial:
         if "probe" in self._given:
             given = self._given["probe"]
             return bursts_of(given, frames) if frames > 1 else given
-        camera, sitting = (
-            self.design.camera.compressing(condition.compression),
-            self._sitting(condition),
-        )
+        camera, sitting = self.design.camera_of(condition), self._sitting(condition)
         taken = [
             Rendered(sitting.recipes(frame=n), camera, self.cache, self.maker, self.progress)
             for n in range(frames)
@@ -142,7 +172,8 @@ class Trial:
         """Return the true references of the probes; None: a folder has none."""
         if "probe" in self._given:
             return references_of(self._given["probe"], scale)
-        return self._rendered(self._sitting(condition).recipes(scale), self.design.camera.clean())
+        camera = self.design.camera_of(condition).clean()
+        return self._rendered(self._sitting(condition).recipes(scale), camera)
 
     @cached_property
     def _given(self) -> dict[str, Photographs]:
@@ -159,13 +190,18 @@ class Trial:
         Args:
             table: Where all scores go, too.
         """
-        gallery = self.gallery()
-        enrolled, as_it_is = self._nothing_seen(), Bicubic(1)
-        for _, some in chunks(gallery):
-            enrolled.look(self.engine, some, as_it_is)
-        shown = gallery.load(0, _SHOWN)
         for condition in self.design.conditions:
-            yield self._outcome(condition, gallery, enrolled, shown, table)
+            yield self._outcome(condition, self._enrol(condition.skin, condition.detector), table)
+
+    def _enrol(self, skin: Skin | None, detector: str | None) -> _Enrolled:
+        """Look at the gallery, once for all conditions that share it."""
+        if (skin, detector) not in self._galleries:
+            gallery, as_it_is = self.gallery(skin), Bicubic(1)
+            seen = self._nothing_seen(detector)
+            for _, some in chunks(gallery):
+                seen.look(self.engine, some, as_it_is)
+            self._galleries[skin, detector] = _Enrolled(gallery, seen, gallery.load(0, _SHOWN))
+        return self._galleries[skin, detector]
 
     @cached_property
     def landmarks(self) -> tuple[Landmarks, ...]:
@@ -185,20 +221,18 @@ class Trial:
                 return ("own",)
         return asked
 
-    def _nothing_seen(self) -> Seen:
-        return Seen(self.landmarks, self.finder if "own" in self.landmarks else None)
+    def _nothing_seen(self, detector: str | None) -> Seen:
+        return Seen(self.landmarks, self.finders[detector] if "own" in self.landmarks else None)
 
     def _outcome(
         self,
         condition: Condition,
-        gallery: Source,
-        enrolled: Seen,
-        shown: Sequence[Picture],
+        enrolled: _Enrolled,
         table: ScoreFile | None,
     ) -> Outcome:
         probes, upscalers = self.probes(condition), self.design.upscalers
         references = {scale: self.references(condition, scale) for scale in self._scales}
-        seen = {method: self._nothing_seen() for method in upscalers}
+        seen = {method: self._nothing_seen(condition.detector) for method in upscalers}
         people: dict[str, Labels] = {}
         for place, some in chunks(probes):
             true = {
@@ -217,7 +251,7 @@ class Trial:
                 condition,
                 landmarks,
                 seen,
-                self._systems(landmarks, seen, enrolled, probes, gallery),
+                self._systems(landmarks, seen, enrolled, probes),
                 people,
                 table,
             )
@@ -233,9 +267,10 @@ class Trial:
         panel = Panel(
             condition.title,
             {landmarks: one.curves for landmarks, one in judged.items()},
-            self._pictures(probes, references, shown),
+            self._pictures(probes, references, enrolled.shown),
             tuple(probes.identity_ids)[:_SHOWN],
             figures,
+            place=(condition.option, condition.ipd_px),
         )
         return Outcome(
             [row for one in judged.values() for row in one.rows],
@@ -259,16 +294,27 @@ class Trial:
                 table.add(self._system_name(condition, method, landmarks), system)
         scores = {method: system.source for method, system in systems.items()}
         likeness = {method: one.likeness for method, one in seen.items()}
-        errors = {name: one.errors if landmarks == "own" else () for name, one in seen.items()}
+        errors = {}
+        if landmarks == "own":
+            likeness = {
+                method: one.likeness | {FALSE_FACES: one.false_faces.tolist()}
+                for method, one in seen.items()
+            }
+            errors = {method: one.errors for method, one in seen.items()}
+        if condition.option in {one.rival for one in self.design.conditions}:
+            self._earlier[condition.option, condition.ipd_px, landmarks] = scores
+        rivals = self._earlier.get((condition.rival or 0, condition.ipd_px, landmarks), {})
         told, tests, summaries = evaluate(
-            self.design, condition, scores, likeness, landmarks, errors
+            self.design, condition, scores, likeness, landmarks, errors, rivals
         )
         rows = [{"recogniser": self.name, **row} for row in told]
         about = {row["method"]: {name: row[name] for name in NAMES} for row in rows}
         return _Judged(
             rows,
             [{"recogniser": self.name, **test} for test in tests],
-            look_further(self.design.asked, about, systems, summaries, people),
+            look_further(
+                self.design.asked, about, systems, summaries, people, draw=self.design.details
+            ),
             {about[name]["label"]: summary.curve for name, summary in summaries.items()},
         )
 
@@ -276,15 +322,15 @@ class Trial:
         self,
         landmarks: Landmarks,
         seen: Mapping[str, Seen],
-        enrolled: Seen,
+        enrolled: _Enrolled,
         probes: Source,
-        gallery: Source,
     ) -> dict[str, System]:
         """Return the scores of each method with landmarks of one source."""
+        gallery, known = enrolled.source, enrolled.seen.joined(landmarks)
         ids = tuple(probes.identity_ids), tuple(gallery.identity_ids)
         return {
             method: System(
-                self.engine.compare(one.joined(landmarks), enrolled.joined(landmarks), *ids),
+                self.engine.compare(one.joined(landmarks), known, *ids),
                 probes.names,
                 gallery.names,
                 one.qualities,
@@ -322,11 +368,12 @@ class Trial:
         asked = self.design
         if condition.scene is None or condition.ipd_px is None:
             raise RuntimeError("photographs are not rendered")
+        quality = asked.quality.at(condition.ipd_px)
         return Sitting(
             people=asked.people,
             scene=condition.scene,
             film=Film(condition.ipd_px),
-            quality=asked.quality.at(condition.ipd_px),
+            quality=replace(quality, skin=condition.skin or quality.skin),
             seed=asked.seed,
             burst=asked.burst,
         )

@@ -1,7 +1,7 @@
 """Does this way of enlarging help to tell people apart, and under which conditions?"""
 
 import logging
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +12,7 @@ from tqdm import tqdm
 from lrsr.evaluation.score_files.writing import score_file
 from lrsr.experiments.design import Design
 from lrsr.experiments.further import gather
+from lrsr.experiments.report.overview import Overview, draw_conditions
 from lrsr.experiments.report.page import write_report
 from lrsr.experiments.report.sentences import about_recognition
 from lrsr.experiments.report.sheets import draw_contact_sheet
@@ -21,6 +22,7 @@ from lrsr.files import write_bytes, write_json
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.provenance import versions
+from lrsr.recognition.finder import Finder
 from lrsr.recognition.memory import Memory
 from lrsr.recognition.settings import Landmarks
 from lrsr.sr.perceptual import PerceptualDistance
@@ -58,6 +60,9 @@ class Verification(Design):
     ) -> Path:
         """Write ``results.json``, ``report.html``, ``scores.csv`` and ``faces_1.png``, ... .
 
+        Where axes are gone through, ``conditions.png`` shows all of it side by side. Of a share of
+        the people pictures are rendered, and nothing is written.
+
         Args:
             folder: Of the run; all goes into it.
             cache: Where renderings are kept.
@@ -68,15 +73,19 @@ class Verification(Design):
             InputError: A file or a folder is wrong; nothing has been rendered by then.
         """
         memory = Memory(cache.folder / "recognition")
-        engines, finder = self.recognition.engines(memory), self.recognition.finder(memory)
+        engines, finders = self.recognition.engines(memory), self._finders(memory)
         looks = (
             PerceptualDistance(self.lpips, device=self.recognition.device) if self.lpips else None
         )
         trials = [
-            Trial(self, cache, engine, maker, finder, name, progress, looks)
+            Trial(self, cache, engine, maker, finders, name, progress, looks)
             for name, engine in engines.items()
         ]
         landmarks = trials[0].landmarks  # refused before anything is rendered
+        if self.share is not None:
+            count = trials[0].render()
+            logger.info("part %d of %d: %d pictures were lacking", *self.share, count)
+            return folder
         outcomes: list[Outcome] = []
         with score_file(folder) if self.save_scores else nullcontext() as table:
             for trial in trials:
@@ -95,7 +104,7 @@ class Verification(Design):
             "config": {**self.describe(), "lpips": looks and looks.describe()},
             "recognition": {
                 "recognisers": {name: dict(engine.describe()) for name, engine in engines.items()},
-                **({"detector": finder.detector.describe()} if finder else {}),
+                **_described(finders),
             },
             "versions": versions(),
         }
@@ -104,6 +113,12 @@ class Verification(Design):
         for row in results["rows"]:
             logger.info("%s", _line(row))
         return folder
+
+    def _finders(self, memory: Memory) -> dict[str | None, Finder]:
+        """Load every detector that a condition asks for; none where nothing is to be found."""
+        names = dict.fromkeys(condition.detector for condition in self.conditions)
+        found = {name: self.recognition.finder(memory, name) for name in names}
+        return {name: finder for name, finder in found.items() if finder is not None}
 
     def _write_report(
         self,
@@ -115,14 +130,26 @@ class Verification(Design):
         """Write page and contact sheets; a camera without flaws is among what was not done."""
         panels = [outcome.panel for outcome in outcomes]
         rendered = self.probes_folder is None and self.gallery_folder is None
-        flawless = self.camera.flawless and self.probes_folder is None
+        cameras = [condition.camera or self.camera for condition in self.conditions]
+        flawless = all(camera.flawless for camera in cameras) and self.probes_folder is None
         told, untold = about_recognition(self.recognition, landmarks)
         done = (*(_RENDERED if rendered else ()), *_DONE, *told)
         not_done = (*untold, *([_FLAWLESS] if flawless else []))
         write_report(folder, results, panels, done=done, not_done=not_done)
-        for number, panel in enumerate(panels, start=1):
+        for number, panel in enumerate(panels if self.details else [], start=1):
             if panel.pictures:
                 write_bytes(folder / f"faces_{number}.png", draw_contact_sheet(panel.pictures))
+        grids = Overview(results["config"]).faces(panels)
+        if grids:
+            write_bytes(folder / "conditions.png", draw_conditions(grids))
+
+
+def _described(finders: Mapping[str | None, Finder]) -> dict[str, Any]:
+    """Describe the detector, or each by its name where there are several."""
+    told = {str(name): finder.detector.describe() for name, finder in finders.items()}
+    if len(told) > 1:
+        return {"detectors": told}
+    return dict(zip(["detector"], told.values(), strict=False))
 
 
 def _told_by(name: str, outcomes: Iterable[Outcome], *, faces: bool) -> Iterator[Outcome]:
@@ -135,7 +162,8 @@ def _told_by(name: str, outcomes: Iterable[Outcome], *, faces: bool) -> Iterator
 def _line(row: Record) -> str:
     psnr = "" if row["psnr_y_db"] is None else f"  PSNR-Y {row['psnr_y_db']:.2f} dB"
     size = "" if row["ipd_px"] is None else f"  IPD {row['ipd_px']:g} px"
-    told = f"{row['recogniser']}  option {row['option']}{size}  {row['landmarks']:<6}"
+    option = row["setting"] or f"option {row['option']}"
+    told = f"{row['recogniser']}  {option}{size}  {row['landmarks']:<6}"
     told += f"  {row['label']:<9}"
     if row["auc"] is None:
         return f"{told}  too few faces were found (FTA {row['fta']:.3f})"

@@ -18,6 +18,7 @@ import torch
 from safetensors import SafetensorError
 from safetensors.torch import load, save
 
+from lrsr.configuration import require
 from lrsr.errors import InputError
 from lrsr.files import sweep, write_bytes
 from lrsr.identities.person import Traits
@@ -38,13 +39,15 @@ class RenderCache:
 
     Args:
         folder: Made when the first entry is written.
+        processes: How many render at once what it lacks.
 
     Raises:
-        InputError: ``folder`` is a file.
+        InputError: ``folder`` is a file, or there is to be no process.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = Path(folder)
+    def __init__(self, folder: Path, processes: int = 1) -> None:
+        self.folder, self.processes = Path(folder), processes
+        require(processes >= 1, "processes", processes, "at least 1")
         if self.folder.exists() and not self.folder.is_dir():
             raise InputError(f"cache folder {self.folder} is a file: choose another folder")
         self._reported: set[str] = set()

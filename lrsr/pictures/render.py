@@ -1,9 +1,7 @@
 """Where do the pictures of an experiment come from? The cache, and the renderer for the rest."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import torch
 from tqdm import tqdm
@@ -11,13 +9,11 @@ from tqdm import tqdm
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.crew import People, missing_of, render_in_processes, render_people
 from lrsr.pictures.maker import Maker, MitsubaMaker
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.rendering.radiance import Radiance, spectrum_of
-
-if TYPE_CHECKING:
-    from lrsr.identities.head import Head
 
 CHUNK = 64
 """Renderings held in memory at once on their way through the camera."""
@@ -51,8 +47,9 @@ def render_missing(
 ) -> int:
     """Render what ``cache`` lacks (or holds damaged) and keep it there, one picture at a time.
 
-    Each head is built once, in a second thread while the one before is being rendered. Stopped at
-    any moment (Ctrl-C, kill -9), the next call goes on after the last finished picture.
+    Stopped at any moment (Ctrl-C, kill -9), the next call goes on after the last finished picture.
+    Several processes, of this command (``cache.processes``) and of others that fill the same cache,
+    divide the people among themselves; whom another one has in hand is waited for at the end.
 
     Args:
         recipes: In any order; doubles are made once.
@@ -61,44 +58,27 @@ def render_missing(
         maker: Builds and renders; Mitsuba when None.
 
     Returns:
-        How many pictures were rendered.
+        How many pictures were lacking.
 
     Raises:
-        InputError: The cache cannot be written or the disk is full.
+        InputError: The cache cannot be written or the disk is full, or a process was killed.
     """
     maker = maker or MitsubaMaker()
     cache.sweep()
-    versions = maker.versions
-    keyed = {cache.key(recipe, versions): recipe for recipe in recipes}
-    missing = {key: recipe for key, recipe in keyed.items() if cache.get(key) is None}
+    missing = missing_of(recipes, cache, maker)
     if not missing:
         return 0
-    people: dict[tuple[object, ...], list[str]] = {}
-    for key, recipe in missing.items():
+    by_head: dict[str, list[Recipe]] = {}
+    for recipe in missing:
         worn = (recipe.scene.expression, recipe.scene.another_day)
         shown = (recipe.person, recipe.quality.texture_size, *worn)
-        people.setdefault(shown, []).append(key)
-    firsts = [missing[keys[0]] for keys in people.values()]
+        by_head.setdefault(repr(shown), []).append(recipe)
+    people: People = by_head
     with tqdm(total=len(missing), desc="rendering", unit="image", disable=not progress) as bar:
-        for head, keys in zip(_heads(maker, firsts), people.values(), strict=True):
-            for key in keys:
-                cache.put(key, maker.render(head, missing[key]))
-                bar.update()
+        if min(cache.processes, len(people)) > 1:
+            people = render_in_processes(people, cache, maker, bar.update)
+        render_people(people, cache, maker, bar.update)
     return len(missing)
-
-
-def _heads(maker: Maker, recipes: Sequence[Recipe]) -> Iterator["Head"]:
-    """Build one head ahead of the one that is being rendered."""
-    builder = ThreadPoolExecutor(max_workers=1, thread_name_prefix="lrsr-head")
-    try:
-        coming = builder.submit(maker.head, recipes[0])
-        for following in [*recipes[1:], None]:
-            head = coming.result()
-            if following is not None:
-                coming = builder.submit(maker.head, following)
-            yield head
-    finally:
-        builder.shutdown(wait=False, cancel_futures=True)
 
 
 def load_radiances(

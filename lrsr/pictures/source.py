@@ -202,8 +202,12 @@ def chunks(source: Source) -> Iterator[tuple[slice, list[Picture]]]:
         yield slice(start, stop), source.load(start, stop)
 
 
-def render_sources(sources: Sequence[Source]) -> int:
+def render_sources(sources: Sequence[Source], share: tuple[int, int] = (0, 1)) -> int:
     """Render whatever the caches of all sources lack, under one bar; return how many pictures.
+
+    Args:
+        sources: What is wanted.
+        share: Of the people, (k, n): those whose number leaves k when divided by n.
 
     Raises:
         InputError: A cache cannot be written.
@@ -213,7 +217,13 @@ def render_sources(sources: Sequence[Source]) -> int:
     if not rendered:
         return 0
     first = rendered[0]
-    films = [filmed(r, source.camera) for source in rendered for r in source.recipes]
+    part, parts = share
+    films = [
+        filmed(recipe, source.camera)
+        for source in rendered
+        for recipe in source.recipes
+        if recipe.person.index % parts == part
+    ]
     return render_missing(films, first.cache, progress=first.progress, maker=first.maker)
 
 

@@ -21,11 +21,13 @@ class Faces:
         landmarks_px: ``(B, 5, 2)`` (x, y), px.
         boxes_px: ``(B, 4)`` left, top, right, bottom, px.
         scores: ``(B,)`` of the detector, [0, 1].
+        counts: ``(B,)`` how many faces there were, the best one among them.
     """
 
     landmarks_px: NDArray[np.float32]
     boxes_px: NDArray[np.float32]
     scores: NDArray[np.float32]
+    counts: NDArray[np.float32]
 
 
 class Finder:
@@ -52,22 +54,23 @@ class Finder:
             InputError: The detector finds boxes alone.
         """
         pixels = check_srgb(srgb).numpy(force=True)
-        about = {"find": self.detector.describe()}
+        about = {"find and count": self.detector.describe()}
         rows = self._memory.recall(about, [pixels], lambda: self._find(srgb))
-        return Faces(rows[:, :10].reshape(-1, 5, 2), rows[:, 10:14], rows[:, 14])
+        return Faces(rows[:, :10].reshape(-1, 5, 2), rows[:, 10:14], rows[:, 14], rows[:, 15])
 
     def _find(self, srgb: torch.Tensor) -> NDArray[np.float32]:
-        """Return landmarks, box and score of each picture's best face, ``(B, 15)``.
+        """Return landmarks, box and score of each best face, and of how many, ``(B, 16)``.
 
         Raises:
             InputError: The detector finds boxes alone.
         """
-        rows = np.full((len(srgb), 15), np.nan, dtype=np.float32)
+        rows = np.full((len(srgb), 16), np.nan, dtype=np.float32)
         for row, faces in zip(rows, self.detector(srgb), strict=True):
+            row[15] = len(faces)
             best = best_face(faces, *srgb.shape[-2:])
             if best is None:
                 continue
-            row[:] = [*best.landmarks_px.ravel(), *best.box_px, best.score]
+            row[:15] = [*best.landmarks_px.ravel(), *best.box_px, best.score]
             if np.isnan(row).any():
                 raise InputError(
                     f"{self.detector.model}: finds boxes without landmarks, by which nothing can be"

@@ -78,14 +78,13 @@ class RecognitionSettings:
         find_recognisers(recognisers, model, weights)
         device = as_word(given.device, "recognition.device")
         _choose("device", device, DEVICES)
-        detector = given.detector
         return cls(
             model=model,
             landmarks=_LANDMARKS if landmarks == "both" else (cast("Landmarks", landmarks),),
             detector=(
                 None
-                if detector is None
-                else model_file(as_word(detector, "recognition.detector"), "detector")
+                if given.detector is None
+                else detector_file(as_word(given.detector, "recognition.detector"))
             ),
             enlargement=Enlargement(**rule),
             score_threshold=(
@@ -98,24 +97,25 @@ class RecognitionSettings:
             weights=weights,
         )
 
-    def finder(self, memory: Memory | None = None) -> Finder | None:
+    def finder(self, memory: Memory | None = None, detector: str | None = None) -> Finder | None:
         """Load what finds faces; None where nothing is to be found.
 
         Args:
             memory: Where detections are kept; default: nowhere.
+            detector: Its name, in place of the settings' own.
 
         Raises:
             InputError: The detector is missing or broken.
         """
         if "own" not in self.landmarks:
             return None
-        detector = Detector(
-            self.detector,
+        found = Detector(
+            self.detector if detector is None else detector_file(detector),
             enlargement=self.enlargement,
             score_threshold=self.score_threshold,
             device=self.device,
         )
-        return Finder(detector, memory)
+        return Finder(found, memory)
 
     def engines(self, memory: Memory | None = None) -> dict[str, Recogniser]:
         """Load what recognises, by what a report calls it.
@@ -140,6 +140,15 @@ class RecognitionSettings:
                 " for a face; leave it, or name only such recognisers"
             )
         return found
+
+
+def detector_file(name: str | None) -> Path | None:
+    """Return the file of a detector by its name; None, as for "shipped": the one that ships.
+
+    Raises:
+        InputError: There is none of this name, or it is no detector.
+    """
+    return None if name is None or name == "shipped" else model_file(name, "detector")
 
 
 def _choose(name: str, value: object, options: tuple[str, ...]) -> None:

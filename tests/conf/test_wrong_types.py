@@ -52,7 +52,7 @@ COMMANDS = {
         *("train=srcnn2x_camera", "data=mixed", "data.root=shown", "data.crop_px=64"),
     ],
 }
-SHARED = {"identities", "rendering", "lens", "standpoint", "paths", "seed"}
+SHARED = {"identities", "rendering", "lens", "standpoint", "paths", "seed", "processes"}
 """What is read alike in every command, and tried in the first."""
 UNREAD = {
     "render": {"gallery", "paths.run", "paths.runs"},  # of kind=probe; it writes into out

@@ -5,7 +5,8 @@ from fakes import configurations
 from omegaconf import DictConfig
 
 from lrsr.errors import InputError
-from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.design import Design
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster

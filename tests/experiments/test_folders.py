@@ -13,7 +13,7 @@ from fakes.painted import PaintedMaker
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
-from lrsr.experiments.design import Condition
+from lrsr.experiments.conditions import Condition
 from lrsr.experiments.likeness import Truth
 from lrsr.experiments.seen import Seen
 from lrsr.experiments.verification import Verification

@@ -15,7 +15,7 @@ from fakes.painted import PaintedMaker
 from lrsr.camera import Camera
 from lrsr.errors import InputError
 from lrsr.evaluation.delong import estimate_auc
-from lrsr.experiments.design import Condition
+from lrsr.experiments.conditions import Condition
 from lrsr.experiments.own import Own
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.cache import RenderCache

@@ -21,7 +21,8 @@ class Mistaken(Finder):
         points = np.stack([4 * TRUE.numpy() + 1.5 + [3, 0]] * len(srgb)).astype(np.float32)
         points[1::2] = np.nan
         boxes = np.full((len(srgb), 4), np.nan, dtype=np.float32)
-        return Faces(points, boxes, boxes[:, 0])
+        counts = np.resize(np.float32([2, 0]), len(srgb))
+        return Faces(points, boxes, boxes[:, 0], counts)
 
 
 def pictures(count: int, landmarks: Any = TRUE) -> list[Picture]:
@@ -36,12 +37,14 @@ def test_each_source_has_embeddings_and_the_detectors_have_errors(tone_model: Pa
     assert np.isfinite(seen.joined("shared")).all()
     eyes_px = float(np.linalg.norm(TEMPLATE_PX[1] - TEMPLATE_PX[0]))
     np.testing.assert_allclose(seen.errors, [3 / eyes_px, np.nan] * 2, rtol=1e-4)
+    assert seen.false_faces.tolist() == [1, 0] * 2  # one of two is right; none of none is wrong
 
 
 def test_without_true_landmarks_nothing_is_known_of_errors(tone_model: Path) -> None:
     seen = Seen(["own"], Mistaken())
     seen.look(Engine(tone_model), pictures(2, None), Bicubic(4))
     assert np.isnan(seen.errors).all()
+    np.testing.assert_array_equal(seen.false_faces, [np.nan, 0])
 
 
 def test_no_detector_runs_where_true_landmarks_do(tone_model: Path) -> None:

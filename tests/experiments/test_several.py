@@ -13,7 +13,8 @@ from hydra import compose, initialize_config_dir
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
-from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.design import Design
 from lrsr.experiments.several import Fused, Pooled, Several, read_several, see, surest
 from lrsr.experiments.trial import Trial
 from lrsr.identities.roster import IdentityRange

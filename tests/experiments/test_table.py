@@ -8,7 +8,8 @@ from sklearn.metrics import roc_auc_score
 from lrsr.camera import Camera
 from lrsr.errors import ScoreError
 from lrsr.evaluation.scores import Scores
-from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.design import Design
 from lrsr.experiments.table import Record, evaluate, with_holm
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.sitting import Sitting
@@ -141,17 +142,19 @@ def test_landmarks_are_off_by_the_mean_of_those_found() -> None:
 
 def test_rows_and_comparisons_have_the_fields_of_the_results_file() -> None:
     assert list(row(scored(0.3))) == [
-        "experiment", "option", "ipd_px", "pose", "lighting", "compression", "method", "label",
-        "frames", "landmarks", "auc", "std", "low", "high", "n_genuine", "n_impostor", "level",
+        "experiment", "option", "setting", "ipd_px", "pose", "lighting", "compression", "camera",
+        "skin", "detector", "method", "label", "frames", "landmarks", "auc", "std", "low", "high",
+        "n_genuine", "n_impostor", "level",
         "logit_low", "logit_high", "subject_std", "subject_low", "subject_high", "bootstrap_low",
         "bootstrap_high", "psnr_y_db", "fta", "eer", "d_prime", "rank_1", "fnmr", "partial_auc",
         "wrong_place", "landmark_distance_ipds", "ssim_y", "identity_similarity", "lpips",
+        "false_faces",
     ]  # fmt: skip
     (comparison,) = compared({"base": scored(0.1), "srcnn4": scored(0.9)})
     assert list(comparison) == [
-        "option", "ipd_px", "landmarks", "method", "against", "difference", "low", "high",
-        "subject_low", "subject_high", "bootstrap_low", "bootstrap_high", "z", "p", "log10_p",
-        "bootstrap_p",
+        "option", "setting", "ipd_px", "landmarks", "method", "against", "against_option",
+        "difference", "low", "high", "subject_low", "subject_high", "bootstrap_low",
+        "bootstrap_high", "z", "p", "log10_p", "bootstrap_p",
     ]  # fmt: skip
 
 

@@ -8,7 +8,8 @@ from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
-from lrsr.experiments.design import Condition, Design
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.design import Design
 from lrsr.experiments.trial import Trial
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
@@ -157,3 +158,11 @@ def test_a_camera_with_flaws_takes_the_probes_alone(tmp_path: Path, tone_model: 
     assert torch.equal(ours.panel.pictures["Reference"], plain.panel.pictures["Reference"])
     assert ours.panel.pictures["Probe"].shape == plain.panel.pictures["Probe"].shape
     assert not torch.equal(ours.panel.pictures["Probe"], plain.panel.pictures["Probe"])
+
+
+def test_everybody_has_the_skin_of_the_condition(tmp_path: Path, tone_model: Path) -> None:
+    skin = preset("rendering/skin", "tone")
+    condition = replace(DESIGN.conditions[0], skin=skin)
+    experiment = trial(tmp_path, tone_model)
+    for source in (experiment.probes(condition), experiment.gallery(skin)):
+        assert {recipe.quality.skin for recipe in recipes(source)} == {skin}

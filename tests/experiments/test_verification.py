@@ -3,13 +3,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import cv2
 import pytest
 from fakes.painted import PaintedMaker
 
 from lrsr.camera import Camera
+from lrsr.camera.sensor import Sensor
 from lrsr.errors import InputError
 from lrsr.experiments.asked import Asked
-from lrsr.experiments.design import Condition
+from lrsr.experiments.conditions import Condition
 from lrsr.experiments.scoring import Scoring
 from lrsr.experiments.verification import Verification
 from lrsr.identities.roster import IdentityRange
@@ -24,14 +26,23 @@ FRONTAL = Scene(preset("lighting", "frontal"))
 TURNED = Scene(preset("lighting", "below"), preset("pose", "left"))
 
 
+CONDITIONS = (Condition(1, FRONTAL, "none", 8.0), Condition(6, TURNED, "heavy", 8.0))
+METHODS = ("base", "bicubic4", "srcnn4")
+
+
 def run(
-    folder: Path, model: Path | None, recognition: Mapping[str, Any] | None = None, **settings: Any
+    folder: Path,
+    model: Path | None,
+    recognition: Mapping[str, Any] | None = None,
+    conditions: tuple[Condition, ...] = CONDITIONS,
+    methods: tuple[str, ...] = METHODS,
+    **settings: Any,
 ) -> Path:
     design = Verification(
         name="painted_people",
         question="Are painted people told apart?",
-        conditions=(Condition(1, FRONTAL, "none", 8.0), Condition(6, TURNED, "heavy", 8.0)),
-        upscalers={name: preset("sr", name) for name in ("base", "bicubic4", "srcnn4")},
+        conditions=conditions,
+        upscalers={name: preset("sr", name) for name in methods},
         people=PEOPLE,
         quality=QUALITY,
         seed=5,
@@ -122,3 +133,37 @@ def test_scores_of_true_and_of_found_landmarks_are_kept_with_what_the_detector_s
     rows = json.loads((folder / "results.json").read_text())["rows"]
     assert [row["landmarks"] for row in rows] == (["shared"] * 3 + ["own"] * 3) * 2
     assert len(lines) == len(rows) * PEOPLE.count**2
+
+
+def test_an_axis_is_told_tested_and_shown(tmp_path: Path, tone_model: Path) -> None:
+    noisy = Camera(sensor=Sensor(200.0), name="noisy")
+    conditions = (
+        Condition(1, FRONTAL, "none", 8.0, varied={"camera": "plain"}),
+        Condition(2, FRONTAL, "none", 8.0, camera=noisy, varied={"camera": "noisy"}, rival=1),
+    )
+    folder = run(tmp_path, tone_model, conditions=conditions, methods=("base",), details=False)
+    results = json.loads((folder / "results.json").read_text())
+    assert [(row["setting"], row["camera"]) for row in results["rows"]] == [
+        ("camera plain", "reference"),
+        ("camera noisy", "noisy"),
+    ]
+    (test,) = results["comparisons"]
+    areas = [row["auc"] for row in results["rows"]]
+    assert (test["option"], test["against_option"], test["method"]) == (2, 1, "base")
+    assert test["difference"] == pytest.approx(areas[1] - areas[0])
+    page = (folder / "report.html").read_text()
+    assert "Against camera plain" in page
+    assert "ROC curves" not in page
+    assert not [*folder.glob("faces_*.png")]
+    sheet = cv2.imread(str(folder / "conditions.png"))
+    assert sheet is not None
+    assert sheet.shape == (24 + 4 + 6 * 132, 4 + 128 + 2 * 132, 3)  # six people, two cameras
+
+
+def test_a_share_of_the_people_is_rendered_and_nothing_else_is_done(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    folder = run(tmp_path, tone_model, methods=("base",), share=(1, 4))
+    assert not folder.exists()
+    made = [*(tmp_path / "cache").rglob("*.safetensors")]
+    assert len(made) == 2 * (1 + 2)  # two of eight people: an enrolled picture, two probes

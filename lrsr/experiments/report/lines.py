@@ -25,20 +25,39 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
     Args:
         rows: Lines of the table, as of :func:`lrsr.experiments.table.evaluate`.
         comparisons: Its paired tests; each is found again in the line of its method. Those that
-            remain significant at 5 % after Holm's correction for all of them are marked.
+            remain significant at 5 % after Holm's correction for all of them are marked. That of
+            the same method under another option is "rival".
     """
     adjusted = holm_adjusted([comparison["p"] for comparison in comparisons])
     labels = method_labels(rows)
+    settings = {row["option"]: row["setting"] for row in rows}
     tests: dict[object, dict[str, Any]] = {}
+    rivals: dict[tuple[Any, ...], dict[str, Any]] = {}
     for test, p_holm in zip(comparisons, adjusted, strict=True):
-        tests.setdefault(_place(test), {})[test["against"]] = {
-            "against_label": labels[test["against"]],
+        told = {
             "difference": f"{test['difference']:+.3f}".replace("-", "−"),
             "p": _format_p(test["p"], test["log10_p"]),
             "remains": p_holm < 0.05,
         }
+        other = test["against_option"]
+        if other == test["option"]:
+            label = {"against_label": labels[test["against"]]}
+            tests.setdefault(_place(test), {})[test["against"]] = told | label
+        else:
+            rivals[_place(test)] = told | {"label": settings.get(other, f"option {other}")}
+    if len({rival["label"] for rival in rivals.values()}) > 1:
+        for place, rival in rivals.items():
+            rival["label"] = _differing(rival["label"], settings[place[1]])
     several = several_sources(rows)
-    return [_line(row, tests.get(_place(row), {}), several) for row in rows]
+    return [
+        {**_line(row, tests.get(_place(row), {}), several), "rival": rivals.get(_place(row))}
+        for row in rows
+    ]
+
+
+def _differing(setting: str, other: str) -> str:
+    """Return the parts of one setting in which it differs from another."""
+    return ", ".join(part for part in setting.split(", ") if part not in other.split(", "))
 
 
 def several_sources(rows: _Records) -> Set[str]:
@@ -62,6 +81,50 @@ def best_methods(lines: _Records) -> Iterator[str]:
             yield f"{condition}: {names} share the highest AUC, {top:.3f}."
         else:
             yield f"{condition}: {_praise(best[0])}."
+
+
+def extremes(lines: _Records) -> list[str]:
+    """Return a sentence for each method: where it is best, where worst; none without settings."""
+    names = ("recogniser", "landmarks", "label", "ipd_px")
+    several = [name for name in names if len({line[name] for line in lines}) > 1]
+    groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+    for line in lines:
+        if line["setting"]:
+            groups.setdefault(tuple(line[name] for name in several), []).append(line)
+    return [
+        _extremes([_part(name, value) for name, value in zip(several, key, strict=True)], some)
+        for key, some in groups.items()
+    ]
+
+
+def _part(name: str, value: Any) -> str:
+    return {"landmarks": f"{value} landmarks", "ipd_px": f"{value} px"}.get(name, str(value))
+
+
+def _extremes(who: Sequence[str], lines: _Records) -> str:
+    measured = [line for line in lines if line["measured"]]
+    name = ", ".join(who)
+    told = f"{name[:1].upper()}{name[1:]}: the" if name else "The"
+    if not measured:
+        return f"{told} faces found were too few to measure anything."
+    areas = [line["auc"] for line in measured]
+    told += f" AUC is highest with {_all_with(max(areas), measured)}"
+    if min(areas) < max(areas):
+        told += f"; lowest with {_all_with(min(areas), measured)}"
+    tests = [line["rival"] for line in lines if line["rival"]]
+    if not tests:
+        return f"{told}."
+    rivals = {test["label"] for test in tests}
+    against = f" to {rivals.pop()}" if len(rivals) == 1 else ""
+    remain = sum(test["remains"] for test in tests)
+    return f"{told}; of {len(tests)} differences{against} {remain} remain after Holm's correction."
+
+
+def _all_with(auc: float, lines: _Records) -> str:
+    """Name the first condition of that area, and say how many more there are."""
+    first, *others = [line for line in lines if line["auc"] == auc]
+    more = f" (and {len(others)} more)" if others else ""
+    return _measured({**first, "label": f"{first['setting']}{more}"})
 
 
 def method_labels(rows: _Records) -> dict[str, str]:
@@ -112,7 +175,7 @@ def _format_p(p: float, log10_p: float | None = None) -> str:
     return f"{mantissa}\u00a0×\u00a010{str(exponent).translate(_RAISED)}"
 
 
-def _place(record: Mapping[str, Any]) -> tuple[object, ...]:
+def _place(record: Mapping[str, Any]) -> tuple[Any, ...]:
     names = ("recogniser", "option", "ipd_px", "landmarks", "method")
     return tuple(record[name] for name in names)
 

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 
-from lrsr.evaluation.roc import RocCurve
 from lrsr.experiments.report.figures import draw_intervals, draw_roc
 from lrsr.experiments.report.lines import (
     best_methods,
     condition_of,
+    extremes,
     method_labels,
     report_lines,
     several_sources,
 )
-from lrsr.experiments.table import WRONG_PLACE_IPDS
+from lrsr.experiments.report.overview import Overview
+from lrsr.experiments.report.panel import Panel
+from lrsr.experiments.report.published import beside_published
+from lrsr.experiments.seen import WRONG_PLACE_IPDS
 from lrsr.pages import encode_face, write_page
 
 _LIKENESS = (
@@ -29,44 +30,9 @@ _LIKENESS = (
     ("lpips", "LPIPS", "{:.3f}"),
     ("wrong_place", "Wrong place", "{:.1%}"),
     ("landmark_distance_ipds", "Landmarks off <small>IPD</small>", "{:.3f}"),
+    ("false_faces", "False faces <small>a picture</small>", "{:.2f}"),
 )
 """Of a method's pictures beside the truth: name in a row, in the table, and format."""
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A picture of a report.
-
-    Attributes:
-        png: As a data URI.
-        alt: What it shows, for who cannot see it.
-        caption: What a reader must know.
-    """
-
-    png: str
-    alt: str
-    caption: str
-
-
-@dataclass(frozen=True)
-class Panel:
-    """What one condition looks like.
-
-    Attributes:
-        title: Names the condition.
-        curves: ROC curves by the source of the landmarks and by method label, in the order of the
-            legend; may be empty.
-        pictures: Columns of the contact sheet in order, e.g. Gallery, Probe, each method,
-            Reference; each ``(n, 3, h, w)`` srgb in [0, 1], any size; may be empty.
-        people: Names of the n people shown.
-        figures: Shown below the ROC curves.
-    """
-
-    title: str
-    curves: Mapping[str, Mapping[str, RocCurve]] = field(default_factory=dict)
-    pictures: Mapping[str, torch.Tensor] = field(default_factory=dict)
-    people: Sequence[str] = ()
-    figures: Sequence[Figure] = ()
 
 
 def write_report(
@@ -100,7 +66,9 @@ def write_report(
     """
     rows, config = results["rows"], results["config"]
     lines = report_lines(rows, results["comparisons"])
-    rivals = {test["against"] for test in results["comparisons"]}
+    here = [one for one in results["comparisons"] if one["against_option"] == one["option"]]
+    rivals = {test["against"] for test in here}
+    view = Overview(config)
     others = [(name, label) for name, label in method_labels(rows).items() if name in rivals]
     several = len({line["condition"] for line in lines}) > 1
     measured = [line for line in lines if line["measured"]]
@@ -112,6 +80,11 @@ def write_report(
         page,
         title=config["name"].replace("_", " ").capitalize(),
         question=config["question"],
+        heat_maps=view.heat_maps(rows),
+        grids=[
+            (grid.title, grid.columns, {k: [*map(encode_face, v)] for k, v in grid.rows.items()})
+            for grid in view.faces(panels)
+        ],
         settings={**config, "recognition": results["recognition"]},
         likelihoods=_told(results, "likelihood_ratios"),
         groups=_by_group(_told(results, "groups")),
@@ -126,14 +99,16 @@ def write_report(
         intervals=(
             draw_intervals(labels, measured, "Area under the ROC curve") if measured else None
         ),
-        panels=[_panel(panel, config["level"]) for panel in panels],
+        published=beside_published(config["name"], rows),
+        across={line["rival"]["label"] for line in lines if line["rival"]},
+        panels=[_panel(panel, config["level"]) for panel in panels if config.get("details", True)],
         wrong_place_ipds=f"{WRONG_PLACE_IPDS:g}",
         n_tests=len(results["comparisons"]),
         done=done,
         not_done=not_done,
         versions=results["versions"],
         seed=config["seed"],
-        **{"answer": list(best_methods(lines)), **(more or {})},
+        **{"answer": list(extremes(lines) or best_methods(lines)), **(more or {})},
     )
 
 

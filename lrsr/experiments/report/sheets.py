@@ -21,11 +21,12 @@ _LINE_PX = 20
 _DPI = 128  # a power of two: no pixel is lost on the way through inches and back
 
 
-def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
+def draw_contact_sheet(pictures: Mapping[str, torch.Tensor], rows: Sequence[str] = ()) -> bytes:
     """Draw columns side by side, a row a person, each picture as large as the others.
 
     Args:
         pictures: By heading, each ``(n, 3, h, w)`` srgb, [0, 1], any size, the same n people.
+        rows: What stands to the left of each row; empty: nothing.
 
     Returns:
         A PNG.
@@ -37,15 +38,21 @@ def draw_contact_sheet(pictures: Mapping[str, torch.Tensor]) -> bytes:
         sizes = {heading: len(column) for heading, column in pictures.items()}
         raise ImageContractError(f"contact sheet: got {sizes}, wanted as many people in each")
     people, step = len(next(iter(pictures.values()))), _TILE_PX + _GAP_PX
-    headings = [textwrap.wrap(heading, _LETTERS) for heading in pictures]
-    top = _HEADING_PX + _FURTHER_PX * (max(map(len, headings)) - 1)
-    sheet = np.ones((top + people * step + _GAP_PX, len(pictures) * step + _GAP_PX, 3))
-    words = []
+    headings = [
+        [line for part in heading.split("\n") for line in textwrap.wrap(part, _LETTERS)]
+        for heading in pictures
+    ]
+    heading_px = _HEADING_PX + _FURTHER_PX * (max(1, *map(len, headings)) - 1)
+    left, top = _GAP_PX + _TILE_PX * bool(rows), heading_px + _GAP_PX
+    sheet = np.ones((top + people * step, left + len(pictures) * step, 3))
+    words = [
+        (row, left / 2, top + k * step + _TILE_PX / 2, 7.8) for k, row in enumerate(rows[:people])
+    ]
     for number, (lines, column) in enumerate(zip(headings, pictures.values(), strict=True)):
-        x = _GAP_PX + number * step
-        words.append(("\n".join(lines), x + _TILE_PX / 2, top / 2, 7.8))
+        x = left + number * step
+        words.append(("\n".join(lines), x + _TILE_PX / 2, heading_px / 2, 7.8))
         for row, tile in enumerate(_tiles(column)):
-            y = top + _GAP_PX + row * step
+            y = top + row * step
             sheet[y : y + _TILE_PX, x : x + _TILE_PX] = tile.permute(1, 2, 0)
     return _draw(sheet, words)
 

@@ -14,7 +14,9 @@ from fakes.measures import fnmr_at_fmr, trace_roc
 from lrsr.errors import ImageContractError, InputError
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
 from lrsr.experiments.report.lines import _format_p, report_lines
-from lrsr.experiments.report.page import Panel, write_report
+from lrsr.experiments.report.overview import Overview
+from lrsr.experiments.report.page import write_report
+from lrsr.experiments.report.panel import Panel
 
 METHODS = {"base": "Base", "bicubic4": "Bicubic 4", "srcnn4": "SR 4"}
 
@@ -33,6 +35,7 @@ def make_row(
     return {
         "recogniser": "shipped",
         "option": option,
+        "setting": "",
         "ipd_px": 8.0,
         "method": method,
         "label": METHODS[method],
@@ -66,7 +69,7 @@ def make_results(options: tuple[int, ...] = (1,), **changes: Any) -> dict[str, A
                 "landmarks": "shared",
                 "method": method,
             }
-            comparisons.append({**names, "against": against, **test})
+            comparisons.append({**names, "against": against, "against_option": option, **test})
     config = {
         "name": "does_it_help",
         "question": "Is SR better than bicubic?",
@@ -353,3 +356,59 @@ def test_a_broken_picture_is_refused(tmp_path: Path) -> None:
     panel = Panel("P", {}, {"Probe": torch.full((1, 3, 2, 2), torch.nan)}, ["one"])
     with pytest.raises(ImageContractError, match="NaN"):
         write(tmp_path, make_results(), panel)
+
+
+def make_crossed(lights: tuple[str, ...] = ("frontal", "side")) -> dict[str, Any]:
+    """Two poses by some lights, each tested against the first pose in the same light."""
+    varied = [{"pose": pose, "lighting": light} for pose in ("up", "left") for light in lights]
+    settings = [f"pose {one['pose']}, lighting {one['lighting']}" for one in varied]
+    rows, tests = [], []
+    for option, setting in enumerate(settings, start=1):
+        row = make_row(option, "base", draw(1.0 + option, option)) | {"setting": setting}
+        rows.append(row)
+        if option > len(lights):
+            other = option - len(lights)
+            scores = [draw(1.0 + one, one) for one in (option, other)]
+            names = {key: row[key] for key in ("recogniser", "option", "ipd_px", "landmarks")}
+            against = {"method": "base", "against": "base", "against_option": other}
+            tests.append({**names, **against, **asdict(compare_aucs(*scores[0], *scores[1]))})
+    conditions = [{"option": k, "varied": one} for k, one in enumerate(varied, start=1)]
+    config = make_results()["config"] | {"conditions": conditions}
+    return make_results(rows=rows, comparisons=tests, config=config)
+
+
+def test_combinations_have_a_heat_map_a_sheet_and_one_sentence() -> None:
+    faces = torch.rand(2, 3, 4, 4, generator=torch.Generator().manual_seed(0))
+    panels = [
+        Panel(f"Option {k}", pictures={"Probe": faces}, people=["anna"], place=(k, 8.0))
+        for k in (1, 2, 3, 4)
+    ]
+    told = render_html(make_crossed(), *panels)
+    assert told.count('alt="AUC of Base under every condition') == 1
+    assert told.count('alt="Probe, pose left, lighting side"') == 1
+    text = Page(told).text
+    assert "The AUC is highest with pose left, lighting side" in text
+    assert "; lowest with pose up, lighting frontal" in text
+    assert "of 2 differences to pose up 2 remain after Holm's correction" in text
+
+
+def test_a_line_names_in_what_its_rival_differs() -> None:
+    results = make_crossed()
+    lines = report_lines(results["rows"], results["comparisons"])
+    assert [line["rival"] and line["rival"]["label"] for line in lines] == [
+        None,
+        None,
+        *["pose up"] * 2,
+    ]
+    (alone,) = report_lines(*(make_crossed(("frontal",))[key] for key in ("rows", "comparisons")))[
+        1:
+    ]
+    assert alone["rival"]["label"] == "pose up, lighting frontal"
+
+
+def test_what_changes_no_picture_is_not_shown_twice() -> None:
+    config = {"conditions": [{"option": k, "varied": {"detector": str(k)}} for k in (1, 2)]}
+    panels = [
+        Panel("", pictures={"Probe": torch.zeros(1, 3, 4, 4)}, place=(k, 8.0)) for k in (1, 2)
+    ]
+    assert Overview(config).faces(panels) == []

@@ -1,0 +1,73 @@
+"""An evaluation that is killed at any moment ends in the very results of an undisturbed one."""
+
+import random
+import subprocess
+import sys
+from pathlib import Path
+
+TESTS = Path(__file__).parents[1]
+
+RUNS = """
+import os, signal, sys, time
+from pathlib import Path
+from fakes.painted import PaintedMaker
+from lrsr.camera import Camera
+from lrsr.experiments.conditions import Condition
+from lrsr.experiments.verification import Verification
+from lrsr.identities.roster import IdentityRange
+from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.sitting import Sitting
+from lrsr.presets import preset
+from lrsr.recognition.settings import RecognitionSettings
+from lrsr.rendering.scene import Film, Quality, Scene
+
+root, model, *moments = sys.argv[1:]
+people, quality = IdentityRange(count=6), Quality(samples_per_pixel=4, texture_size=64)
+scene = Scene(preset("lighting", "frontal"))
+design = Verification(
+    name="killed", question="?", people=people, quality=quality, seed=5, camera=Camera(),
+    conditions=(Condition(1, scene, "none", 8.0), Condition(2, scene, "heavy", 8.0)),
+    upscalers={"base": preset("sr", "base"), "bicubic2": preset("sr", "bicubic2")},
+    gallery=Sitting(people, scene, Film(16.0), quality, "gallery", 5),
+    recognition=RecognitionSettings(model=Path(model)),
+)
+
+class Slow(PaintedMaker):
+    def render(self, head, recipe):
+        time.sleep(0.02)
+        return super().render(head, recipe)
+
+def run(name):
+    child = os.fork()
+    if child == 0:
+        folder = Path(root) / name
+        design.run(folder / "run", RenderCache(folder / "cache"), maker=Slow(), progress=False)
+        os._exit(0)
+    return child
+
+began = time.monotonic()
+assert os.waitpid(run("quiet"), 0)[1] == 0
+whole = time.monotonic() - began
+killed = 0
+for share in moments:
+    child = run("killed")
+    time.sleep(float(share) * whole)
+    os.kill(child, signal.SIGKILL)
+    killed += os.WIFSIGNALED(os.waitpid(child, 0)[1])
+assert os.waitpid(run("killed"), 0)[1] == 0
+print(killed)
+"""
+
+
+def test_killed_at_random_moments_it_ends_in_the_same_results(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    """Moments are shares of the time that a whole run takes."""
+    draws = random.Random(0)
+    moments = [f"{draws.uniform(0.05, 0.6):.3f}" for _ in range(4)]
+    command = [sys.executable, "-c", RUNS, str(tmp_path), str(tone_model), *moments]
+    ended = subprocess.run(command, cwd=TESTS, capture_output=True, check=True, text=True)
+    assert int(ended.stdout) >= 2
+    for name in ("results.json", "scores.csv", "report.html"):
+        quiet, killed = (tmp_path / one / "run" / name for one in ("quiet", "killed"))
+        assert killed.read_bytes() == quiet.read_bytes()
