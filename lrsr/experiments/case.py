@@ -26,7 +26,7 @@ from lrsr.evaluation.scores import ScoreSource
 from lrsr.evaluation.summary import summarise
 from lrsr.experiments.asked import Asked
 from lrsr.experiments.basis import choose_basis, said_by, scores_file
-from lrsr.experiments.design import read_upscalers
+from lrsr.experiments.design import OF_AXES, read_upscalers
 from lrsr.experiments.facts import Facts, read_facts
 from lrsr.experiments.fitted import fit_once
 from lrsr.experiments.further import evidence_record
@@ -116,7 +116,10 @@ class Case:
     @staticmethod
     def unread(config: "DictConfig") -> tuple[str, ...]:
         """Return which settings of ``lrsr eval`` change nothing here."""
-        never = ("probes", "conditions", "options", "fusions", "fusion", "frames", "burst", "lpips")
+        never = (
+            *("probes", "conditions", "options", "fusions", "fusion", "frames", "burst", "lpips"),
+            *("details", *OF_AXES),
+        )
         return (*never, *(_OF_THE_SIMULATION if config.case.scores is not None else ()))
 
     @classmethod

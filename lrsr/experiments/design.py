@@ -34,6 +34,10 @@ if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 
+OF_AXES = ("axes", "against", "shard", "shards")
+"""Settings that only an experiment with conditions of rendered people reads."""
+
+
 @dataclass(frozen=True)
 class Design:
     """Everything that a verification experiment depends on.

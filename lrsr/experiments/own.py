@@ -15,7 +15,7 @@ from lrsr.configuration import as_flag, as_mapping, require, whole_number
 from lrsr.errors import InputError
 from lrsr.evaluation.score_files.reading import NATIVE
 from lrsr.evaluation.score_files.writing import score_file
-from lrsr.experiments.design import Design
+from lrsr.experiments.design import OF_AXES, Design
 from lrsr.experiments.further import Further, gather, look_further
 from lrsr.experiments.labels import Labels, labels_of_entry
 from lrsr.experiments.portraits import Cut, Portrait, Portraits, look_over, without_copies
@@ -73,7 +73,10 @@ class Own(Design):
     candidates: int = 5
     identified: bool | None = None
 
-    unread: ClassVar[tuple[str, ...]] = ("lpips", "fusions", "fusion", "frames", "burst")
+    unread: ClassVar[tuple[str, ...]] = (
+        *("lpips", "fusions", "fusion", "frames", "burst"),
+        *OF_AXES,
+    )
     """Settings of ``lrsr eval`` that change nothing here."""
 
     def __post_init__(self) -> None:

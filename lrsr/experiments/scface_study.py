@@ -11,7 +11,7 @@ from lrsr.camera import Camera
 from lrsr.configuration import require, section, words
 from lrsr.experiments.design import Design
 from lrsr.experiments.set_trial import Part, people_of
-from lrsr.experiments.surveillance_set import OF_FRAMES, SurveillanceSet
+from lrsr.experiments.surveillance_set import OF_VERIFICATION, SurveillanceSet
 from lrsr.experiments.table import Record
 from lrsr.paths import path_if_any
 from lrsr.pictures.scface import CAMERAS, DISTANCES_M, MUGSHOTS, WHERE_TO_ASK, SCFace
@@ -101,7 +101,7 @@ class SCFaceStudy(SurveillanceSet):
     wanted: Wanted = field(default_factory=Wanted)
     recreations: tuple[Camera, ...] = ()
 
-    unread: ClassVar[tuple[str, ...]] = ("camera", "probes", *OF_FRAMES)
+    unread: ClassVar[tuple[str, ...]] = ("camera", "probes", *OF_VERIFICATION)
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:

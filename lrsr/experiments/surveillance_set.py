@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from lrsr.configuration import require
 from lrsr.evaluation.score_files.writing import score_file
 from lrsr.experiments.conditions import Condition
-from lrsr.experiments.design import Design
+from lrsr.experiments.design import OF_AXES, Design
 from lrsr.experiments.further import gather
 from lrsr.experiments.report.lines import condition_of, several_sources
 from lrsr.experiments.report.page import write_report
@@ -25,13 +25,14 @@ from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.source import Photographs
 from lrsr.provenance import versions
+from lrsr.recognition.finder import Finder
 from lrsr.recognition.memory import Memory
 from lrsr.sr.perceptual import PerceptualDistance
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
 
-OF_FRAMES = ("fusions", "frames", "fusion", "burst")
+OF_VERIFICATION = ("fusions", "frames", "fusion", "burst", *OF_AXES)
 OF_RENDERING = (
     *("identities", "rendering", "camera", "lens", "standpoint", "expression", "another_day"),
     *("gallery", "options", "conditions", "ipd_px", "lpips"),
@@ -53,7 +54,7 @@ logger = logging.getLogger(__name__)
 class SurveillanceSet(Design, ABC):
     """An experiment with the user's copy of a set."""
 
-    unread: ClassVar[tuple[str, ...]] = ("probes", *OF_FRAMES, *OF_RENDERING)
+    unread: ClassVar[tuple[str, ...]] = ("probes", *OF_VERIFICATION, *OF_RENDERING)
     """Settings of ``lrsr eval`` that change nothing here."""
 
     @abstractmethod
@@ -121,7 +122,7 @@ class SurveillanceSet(Design, ABC):
         parts = self.parts()
         memory = Memory(cache.folder / "recognition")
         engines, finder = self.recognition.engines(memory), self.recognition.finder(memory)
-        finders = {None: finder} if finder else {}
+        finders: dict[str | None, Finder] = {None: finder} if finder else {}
         looks = (
             PerceptualDistance(self.lpips, device=self.recognition.device) if self.lpips else None
         )

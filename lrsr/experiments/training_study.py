@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from lrsr.configuration import as_word, seed_of
 from lrsr.errors import InputError
+from lrsr.experiments.design import OF_AXES
 from lrsr.experiments.report.learning import draw_learning
 from lrsr.files import write_bytes, write_json
 from lrsr.pages import data_uri, write_page
@@ -88,7 +89,7 @@ class TrainingStudy:
     unread: ClassVar[tuple[str, ...]] = (
         *("identities", "rendering", "camera", "lens", "standpoint", "expression", "another_day"),
         *("gallery", "probes", "recognition", "sr", "level", "bootstrap", "save_scores"),
-        *("calibration", "axes", "against", "details", "shard", "shards"),
+        *("calibration", "details", *OF_AXES),
     )
     """Settings of ``lrsr eval`` that change nothing here."""
 
