@@ -32,6 +32,7 @@ from lrsr.pictures.source import (
     Source,
     bursts_of,
     chunks,
+    enrolled_photographs,
     read_photographs,
     references_of,
     render_sources,
@@ -116,6 +117,8 @@ class Trial:
         """Return everyone's enrolled picture."""
         if "gallery" in self._given:
             return self._given["gallery"]
+        if self.design.people.gallery == "photograph":
+            return enrolled_photographs(self.design.people.people())
         return self._rendered(self.design.gallery.recipes(), self.design.camera.clean())
 
     def probes(self, condition: Condition) -> Source:

@@ -127,6 +127,7 @@ class Verification(Design):
         """Write page and contact sheets; a camera without flaws is among what was not done."""
         panels = [outcome.panel for outcome in outcomes]
         rendered = self.probes_folder is None and self.gallery_folder is None
+        rendered = rendered and self.people.photographs is None
         flawless = self.camera.flawless and self.probes_folder is None
         told = [_LANDMARKS[one] for one in landmarks]
         told += [_WHOLE] if self.recognition.fallback == "whole_image" else []

@@ -51,7 +51,7 @@ _TABLES = {
 
 
 @dataclass(frozen=True)
-class LandmarkerContract:
+class _LandmarkerContract:
     """A landmark network's declared contract; see the module for each field."""
 
     sha256: str
@@ -92,7 +92,7 @@ class Landmarker:
 
     def __init__(self, model: Path | None = None) -> None:
         self.model = model or asset(_SHIPPED)
-        self.contract = read_landmarker_contract(self.model)
+        self.contract = _read_landmarker_contract(self.model)
         self._session = open_session(self.model)
         self._mirror = np.array(self.contract.mirror)
 
@@ -145,14 +145,14 @@ class Landmarker:
         return Crop((float(x), float(y)), side, angle, self.contract.size_px)
 
 
-def read_landmarker_contract(model: Path) -> LandmarkerContract:
+def _read_landmarker_contract(model: Path) -> _LandmarkerContract:
     """Read the contract beside ``model`` and check the model's bytes against its sha256.
 
     Raises:
         InputError: Model or contract is missing or unreadable; a field is missing, unknown or out
             of range; or the model is not the one that the contract was written for.
     """
-    contract = read_declared(LandmarkerContract, model, _TABLES, {"input.channels": ("RGB",)})
+    contract = read_declared(_LandmarkerContract, model, _TABLES, {"input.channels": ("RGB",)})
     count = len(contract.mirror)
     mirror = np.array(contract.mirror)
     involution = sorted(contract.mirror) == list(range(count)) and (mirror[mirror] == range(count))

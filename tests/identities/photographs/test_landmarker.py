@@ -7,7 +7,7 @@ from skimage.data import astronaut
 
 from lrsr.errors import InputError
 from lrsr.identities.photographs.crop import Crop
-from lrsr.identities.photographs.landmarker import Landmarker, read_landmarker_contract
+from lrsr.identities.photographs.landmarker import Landmarker, _read_landmarker_contract
 from lrsr.paths import asset
 
 FIVE_PX = np.array([[205.0, 101.0], [247.0, 103.0], [224.0, 129.0], [202.0, 138.0], [244.0, 141.0]])
@@ -28,7 +28,7 @@ def test_a_crop_comes_back_to_where_it_was_taken() -> None:
 
 
 def test_the_network_that_ships_declares_what_it_is() -> None:
-    contract = read_landmarker_contract(asset("landmarkers/face_landmark.onnx"))
+    contract = _read_landmarker_contract(asset("landmarkers/face_landmark.onnx"))
     assert (contract.licence, contract.size_px, len(contract.mirror)) == ("Apache-2.0", 192, 468)
     assert "photographs" in contract.source
     assert "Apache License" in asset("landmarkers/LICENSE.txt").read_text()
