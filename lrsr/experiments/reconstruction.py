@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from lrsr.camera import Camera
-from lrsr.configuration import as_word, require, section
+from lrsr.configuration import as_word, flag, require, section
 from lrsr.errors import InputError
 from lrsr.experiments.report.sheets import draw_portraits
 from lrsr.files import write_bytes, write_json, write_text
-from lrsr.identities.photographs.choices import HAIRS, KEPT, Hair, Kept
+from lrsr.identities.photographs.choices import HAIRS, Hair, Kept
 from lrsr.identities.photographs.person import FORMAT, RECORD, Photographed
 from lrsr.identities.photographs.picture_file import decode, frame
 from lrsr.identities.photographs.quality import Filters, Quality
@@ -68,7 +68,7 @@ class Reconstructing:
         images: A folder with all below it, or one picture.
         filters: Which photographs are taken.
         hair: "painted" or "none".
-        expression: The "photograph"'s, or "neutral".
+        neutral: The face at rest, not as photographed.
         ages: CSV with the columns ``file`` and ``age_years``; who is under 18, or missing there, is
             refused. None: you say that everybody is an adult.
 
@@ -79,13 +79,11 @@ class Reconstructing:
     images: Path
     filters: Filters = field(default_factory=Filters)
     hair: Hair = "painted"
-    expression: Kept = "photograph"
+    neutral: bool = False
     ages: Path | None = None
 
     def __post_init__(self) -> None:
         require(self.hair in HAIRS, "hair", self.hair, f"one of {', '.join(HAIRS)}")
-        wish = f"one of {', '.join(KEPT)}"
-        require(self.expression in KEPT, "expression", self.expression, wish)
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:
@@ -98,7 +96,7 @@ class Reconstructing:
             images=user_path(config.images, "images"),
             filters=section(Filters, config, "filters"),
             hair=as_word(config.hair, "hair"),  # type: ignore[arg-type]  # checked above
-            expression=as_word(config.expression, "expression"),  # type: ignore[arg-type]  # too
+            neutral=flag(config, "neutral"),
             ages=path_if_any(config.ages, "ages"),
         )
 
@@ -140,12 +138,17 @@ class Reconstructing:
         )  # fmt: skip
         return folder
 
+    @property
+    def kept(self) -> Kept:
+        """Whose expression people have."""
+        return "neutral" if self.neutral else "photograph"
+
     def describe(self) -> dict[str, Any]:
         """Return what decides about a photograph besides its bytes and ages, in plain values."""
         return {
             "filters": asdict(self.filters),
             "hair": self.hair,
-            "expression": self.expression,
+            "neutral": self.neutral,
         }
 
     def _sources(self) -> list[Path]:
@@ -245,7 +248,7 @@ class _Work:
             why = f"{ipd_px:.0f} px between the eyes; filters.least_ipd_px is {least:g}"
             return _refused("size", why)
         places = tuple((round(float(x), 3), round(float(y), 3)) for x, y in five)
-        hair, kept = self.asked.hair, self.asked.expression
+        hair, kept = self.asked.hair, self.asked.kept
         somebody = Photographed(str(source), digest, places, hair, kept)
         made = somebody.reconstruction(Rendering().texture_size)
         person = {

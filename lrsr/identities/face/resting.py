@@ -53,15 +53,18 @@ def rest_face(weights: Points) -> RestingFace:
     return place_face(rest_lids(load_basis(), weights, template().lids))
 
 
-def place_face(weights: Points) -> RestingFace:
+def place_face(weights: Points, gazes: Points | None = None) -> RestingFace:
     """Shape a face whose lids are as they are to be, and put it into the head frame.
 
     Args:
         weights: ``(K,)`` coefficients, lids at rest.
+        gazes: ``(2, 3)`` where the eyes look, in the axes of the basis; None: between their lids.
     """
     basis = load_basis()
     shaped = basis.shape(weights)
     eyes = find_eyes(basis, shaped)
+    if gazes is not None:
+        eyes = eyes._replace(gazes=gazes)
     rotation, origin = _head_frame(eyes)
     shape = _moved(shaped, rotation, origin)
     eyes = eyes.moved(rotation, origin)

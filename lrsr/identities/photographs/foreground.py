@@ -19,6 +19,10 @@ _HAIR_IPDS = 0.9
 """Beyond this distance from the head there is no hair."""
 _SURE_IPDS = 0.12
 """Inside the face by this, everything is the person."""
+_DEEP_IPDS = 0.35
+"""Inside the fitted head by this, too: only near its edge can background come in."""
+_LEAST_CROWN = 0.5
+"""Share of the head above the face that is the person, at least."""
 _BELOW_IPDS = 0.3
 """Below the chin by this, clothes begin."""
 
@@ -59,4 +63,9 @@ def find_person(shot: Shot, covered: Mask, face: Mask) -> Mask:
     cv2.grabCut(coded, cut, None, *models, _ROUNDS, cv2.GC_INIT_WITH_MASK)
     person = head.copy()
     person[:last] = np.isin(cut, (cv2.GC_FGD, cv2.GC_PR_FGD))
+    crown = (head > 0) & (np.arange(size[1])[:, None] < rows.min(initial=size[1]))
+    if person[crown].mean() < _LEAST_CROWN:  # hair around the head was taken for background
+        person[crown] = 1
+    inside = cv2.distanceTransform(head, cv2.DIST_L2, 5) / ipd
+    person[inside > _DEEP_IPDS] = 1
     return np.asarray(cv2.resize(person, (width, height), interpolation=cv2.INTER_LINEAR) > 0)

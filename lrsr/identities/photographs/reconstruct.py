@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
 from lrsr.identities.day.worn import dress
 from lrsr.identities.face.expression import NEUTRAL, Expression
-from lrsr.identities.face.eyes import eyeball_vertices, unit_ball
+from lrsr.identities.face.eyes import eyeball_vertices, find_eyes, unit_ball
 from lrsr.identities.face.lashes import lash_faces
 from lrsr.identities.face.lids import clear_lids, lid_margins
 from lrsr.identities.face.mouth import JAW_UNITS, build_mouth, cavity, lining
@@ -29,6 +29,7 @@ from lrsr.identities.photographs.eyes import photographed_eye
 from lrsr.identities.photographs.fit import Fit, shared_fitter
 from lrsr.identities.photographs.foreground import find_person
 from lrsr.identities.photographs.hair import paint_hair
+from lrsr.identities.photographs.irises import IrisFinder, gazes_through
 from lrsr.identities.photographs.landmarker import Landmarker
 from lrsr.identities.photographs.outlines import FACE, LIP_GAP, filled
 from lrsr.identities.photographs.picture_file import Photograph
@@ -146,7 +147,9 @@ def reconstruct(
     srgb = photograph.srgb
     found = (landmarker or _shared_landmarker())(srgb, photograph.five_px)
     fit = shared_fitter()(found.points_px)
-    face = place_face(fit.rest)
+    pupils_px = _shared_iris_finder()(srgb, found.points_px)
+    eyes_at_rest = find_eyes(load_basis(), load_basis().shape(fit.rest))
+    face = place_face(fit.rest, gazes_through(eyes_at_rest, fit.perspective, pupils_px))
     perspective = fit.perspective.moved_axes(face.rotation, face.origin)
     shot = take_shot(srgb, perspective, found.points_px, face.eyes.pupils)
     parted = _lips_are_parted(shot)
@@ -203,6 +206,11 @@ def _skin_raster(texture_size: int) -> Raster:
 def _lips_are_parted(shot: Shot) -> bool:
     upper, lower = shot.points_px[list(LIP_GAP)]
     return bool(np.linalg.norm(lower - upper) > _PARTED_IPDS * shot.ipd_px)
+
+
+@lru_cache(maxsize=1)
+def _shared_iris_finder() -> IrisFinder:
+    return IrisFinder()
 
 
 def _shaved() -> dict[str, object]:

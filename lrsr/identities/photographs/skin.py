@@ -169,7 +169,7 @@ def extended(values: Map, weight: Map, blur: float) -> Map:
     """Extend a map from where its weight is to everywhere, ever smoother (push-pull).
 
     Args:
-        values: ``(S, S, C)``.
+        values: ``(S, S, 3)``.
         weight: ``(S, S)``, [0, 1].
         blur: Standard deviation of a first blur, texels.
     """

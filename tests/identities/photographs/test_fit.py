@@ -49,7 +49,9 @@ def test_a_face_of_the_space_is_found_again(fitter: FaceFitter) -> None:
     points, truth = points_of(fitter, shapes, jawOpen=0.5)
     mean_face = flat_error_mm(fitter(points_of(fitter, np.zeros(100))[0]), truth)
     fit = fitter(points)
-    assert flat_error_mm(fit, truth) < 0.6 * mean_face  # the prior of noise and people holds it back
+    assert (
+        flat_error_mm(fit, truth) < 0.6 * mean_face
+    )  # the prior of noise and people holds it back
     np.testing.assert_allclose(fit.perspective.angles_deg, (8, -4, 11), atol=4.0)
     assert fit.units["jawOpen"] > 0.2
 

@@ -116,7 +116,7 @@ def test_what_is_no_picture_is_refused() -> None:
 
 
 def test_extension_keeps_what_is_known_and_fills_with_it() -> None:
-    values, weight = np.zeros((32, 32, 1), np.float32), np.zeros((32, 32), np.float32)
+    values, weight = np.zeros((32, 32, 3), np.float32), np.zeros((32, 32), np.float32)
     values[:, :8], weight[:, :8] = 2.0, 1.0
     filled = extended(values, weight, blur=0.5)
     np.testing.assert_allclose(filled, 2.0, atol=1e-3)
