@@ -235,8 +235,8 @@ class _Work:
         pixels = decode(content, str(source))
         height, width = pixels.shape[:2]
         if min(height, width) < _LEAST_PX:
-            least = f"at least {_LEAST_PX} px are needed"
-            return _refused("size", f"{width} x {height} px, {least}")
+            why = f"{width} x {height} px, at least {_LEAST_PX} px are needed"
+            return _refused("size", why)
         faces = _find_faces(pixels, self.detector)
         if not faces:
             return _refused("face", "no face found")

@@ -8,6 +8,7 @@ again whenever the recipe of heads changes.
 import json
 import sys
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from lrsr.identities.face.lids import rest_lids
 from lrsr.identities.face.template import template
 from lrsr.identities.morphable import RECIPE_VERSION, sample_parameters
 from lrsr.identities.photographs.space import ASSET_NAME, UNIT
-from lrsr.identities.shape.anatomy import coefficients
+from lrsr.identities.shape.anatomy import Anatomy, coefficients
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.build_basis import write
 from lrsr.identities.splits import identity_seed
@@ -41,7 +42,8 @@ def _draw_people(count: int, first: int = _FIRST) -> _Points:
     for index in range(first, first + count):
         drawn = sample_parameters(identity_seed("train", index))
         traits = {trait: drawn[trait] for trait in ("masculinity", "age", "ancestry")}
-        weights = coefficients(basis.names, {**drawn["anatomy"], "expression": {}}, **traits)
+        anatomy = cast("Anatomy", {**dict(drawn["anatomy"]), "expression": {}})
+        weights = coefficients(basis.names, anatomy, **traits)
         rows.append(rest_lids(basis, weights, template().lids))
     return np.array(rows)
 

@@ -7,7 +7,6 @@ a ratio to that skin, so no seam shows.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import cv2
 import numpy as np
@@ -85,7 +84,7 @@ def paint_photographed(shot: Shot, seen: Texels, oval: NDArray[np.bool_]) -> Pho
     deep = cv2.distanceTransform(oval.astype(np.uint8), cv2.DIST_L2, 5) / np.float32(shot.ipd_px)
     inside = smoothstep(*_INSIDE_IPDS, seen.sample(np.asarray(deep, np.float32)))
     weight = smoothstep(*_FACING, seen.facing) * inside * seen.visible
-    colour = np.maximum(seen.sample(shot.linear), 1e-4)
+    colour: Map = np.maximum(seen.sample(shot.linear), np.float32(1e-4))
     luminance = colour @ _LUMINANCE
     if (parts.core & (weight > 0.5)).mean() < _LEAST_CORE:
         raise InputError("neither cheeks nor nose are seen: give a frontal photograph")
@@ -95,8 +94,9 @@ def paint_photographed(shot: Shot, seen: Texels, oval: NDArray[np.bool_]) -> Pho
     core = parts.core & (weight > 0.5)
     hidden = _hidden(np.log(colour), np.log(luminance / shading), core, parts)
     weight = weight * (1 - hidden)
-    gain, tint = _gain(colour / shading[..., None], core)
-    albedo = colour / shading[..., None] * gain
+    even: Map = np.asarray(colour / shading[..., None], np.float32)
+    gain, tint = _gain(even, core)
+    albedo = even * gain
     known, full = _completed(np.log(np.clip(albedo, 0.002, 1.2)), weight, core, parts)
     front = parts.plain & (parts.points[..., 2] > -40)
     return PhotographedSkin(
@@ -196,7 +196,7 @@ def extended(values: Map, weight: Map, blur: float) -> Map:
 @lru_cache(maxsize=2)
 def plain_maps(size: int) -> SkinMaps:
     """Return the skin of nobody in particular, which hidden texels get; read-only."""
-    maps: Any = paint_plain_skin(size)
+    maps = paint_plain_skin(size)
     for shared in maps:
         shared.setflags(write=False)
     return maps

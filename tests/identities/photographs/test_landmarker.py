@@ -16,7 +16,7 @@ FIVE_PX = np.array([[205.0, 101.0], [247.0, 103.0], [224.0, 129.0], [202.0, 138.
 
 @pytest.fixture(scope="module")
 def picture() -> NDArray[np.float32]:
-    return (astronaut() / 255).astype(np.float32)
+    return np.asarray(astronaut() / 255, np.float32)
 
 
 def test_a_crop_comes_back_to_where_it_was_taken() -> None:

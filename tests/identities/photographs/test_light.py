@@ -9,7 +9,7 @@ def half_sphere(size: int = 64) -> np.ndarray:
     x, y = np.meshgrid(np.linspace(-0.9, 0.9, size), np.linspace(0.9, -0.9, size))
     z = np.sqrt(np.maximum(0.05, 1 - x * x - y * y))
     normals = np.stack([x, y, z], axis=-1)
-    return (normals / np.linalg.norm(normals, axis=-1, keepdims=True)).astype(np.float32)
+    return np.asarray(normals / np.linalg.norm(normals, axis=-1, keepdims=True), np.float32)
 
 
 def test_harmonics_are_orthogonal_over_the_sphere() -> None:

@@ -44,7 +44,7 @@ def test_a_folder_of_the_command_is_read(tmp_path: Path) -> None:
     people = [told("1" * 64), told("2" * 64), told("3" * 64)]
     given = folder_of(tmp_path, *people)
     chosen = IdentityRange(photographs=given, start=1, gallery="photograph")
-    assert [one.sha256[0] for one in chosen.people()] == ["2", "3"]
+    assert [one.record()["photograph"][0] for one in chosen.people()] == ["2", "3"]
     assert chosen.count == 2
     assert chosen.people()[0].record()["hair"] == "none"
 
