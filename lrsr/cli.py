@@ -42,6 +42,7 @@ _COMMANDS = {
     "compare": "two pictures: their score, and its likelihood ratio by scores=FILE",
     "upscale": "any picture by any upscaler: lrsr upscale FILE|FOLDER... out=DIR sr=srcnn2",
     "identities": "contact sheet, who they are, uniqueness check; export=DIR: meshes",
+    "reconstruct": "heads from photographs in images=DIR, for identities.photographs=",
     "fit-camera": "a camera preset from real pictures in images=DIR",
     "models": "list, pull NAME, add FILE, verify, remove NAME: networks of other people",
 }
@@ -67,6 +68,8 @@ examples:
   lrsr train sr=srcnn4x identities.count=300
   lrsr identities identities.count=1500 identities.sex=female
   lrsr identities export=meshes identities.count=3 pose=left
+  lrsr reconstruct images=portraits out=heads
+  lrsr render identities.photographs=heads pose=left out=probes
   lrsr fit-camera images=probes name=lobby
   lrsr render camera=runs/fit-camera/.../lobby.yaml out=probes
   lrsr models add theirs.onnx contract=insightface

@@ -264,6 +264,22 @@ def run_models(config: "DictConfig") -> Path:
     return models_folder()
 
 
+def run_reconstruct(config: "DictConfig") -> Path:
+    """Turn photographs into people; see :mod:`lrsr.experiments.reconstruction`.
+
+    Raises:
+        InputError: A setting is wrong, or there are no pictures.
+    """
+    from lrsr.experiments.reconstruction import Reconstructing
+
+    if path_if_any(config.out, "out") is None:
+        raise InputError("out=null: give the folder for the people, e.g. out=heads")
+    asked = Reconstructing.from_config(config)
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return asked.run(folder, _cache(config))
+
+
 def run_fit_camera(config: "DictConfig") -> Path:
     """Estimate a camera from real pictures; see :mod:`lrsr.calibration.from_pictures`.
 

@@ -34,6 +34,7 @@ from lrsr.pictures.source import (
     Source,
     bursts_of,
     chunks,
+    enrolled_photographs,
     read_photographs,
     references_of,
     render_sources,
@@ -146,6 +147,8 @@ class Trial:
         """
         if "gallery" in self._given:
             return self._given["gallery"]
+        if self.design.people.gallery == "photograph":
+            return enrolled_photographs(self.design.people.people())
         sitting = self.design.gallery
         if skin is not None:
             sitting = replace(sitting, quality=replace(sitting.quality, skin=skin))

@@ -192,6 +192,8 @@ def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
         InputError: The cache cannot be read or written.
     """
     people = settings.gallery.people
+    wish = "null: people on photographs are not drawn again"
+    require(people.photographs is None, "identities.photographs", people.photographs, wish)
     indices = range(people.start, people.start + people.count)
     outcome = draw_distinct(
         indices,

@@ -130,6 +130,7 @@ class Verification(Design):
         """Write page and contact sheets; a camera without flaws is among what was not done."""
         panels = [outcome.panel for outcome in outcomes]
         rendered = self.probes_folder is None and self.gallery_folder is None
+        rendered = rendered and self.people.photographs is None
         cameras = [condition.camera or self.camera for condition in self.conditions]
         flawless = all(camera.flawless for camera in cameras) and self.probes_folder is None
         told, untold = about_recognition(self.recognition, landmarks)

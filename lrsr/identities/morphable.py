@@ -55,6 +55,9 @@ _STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")
 
 _LASH_ALBEDO = 0.015
 
+_PLAIN_SEED = 500_007
+"""Somebody young, with even skin and without a beard."""
+
 
 def _stream(seed: int, name: str, attempt: int = 0) -> Generator:
     """Return the random generator of one trait of one person.
@@ -161,7 +164,7 @@ def _draw_hair(who: Mapping[str, Any], attempt: int) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=4)
-def _position_map(texture_size: int) -> PositionMap:
+def position_map(texture_size: int) -> PositionMap:
     """Tell which point of the template each texel of the skin shows; later calls are free.
 
     Args:
@@ -182,7 +185,7 @@ def _position_map(texture_size: int) -> PositionMap:
 
 @lru_cache(maxsize=2)
 def _painters(texture_size: int) -> tuple[SkinPainter, Scalp]:
-    chart = _position_map(texture_size)
+    chart = position_map(texture_size)
     return SkinPainter(chart, template().skin), Scalp(chart.points)
 
 
@@ -195,6 +198,27 @@ def _paint_skin(parameters: Mapping[str, Any], texture_size: int) -> SkinMaps:
     roots = scalp.paint(hair, seed)[..., None]
     albedo += roots * (mean_colour(hair).astype(np.float32) - albedo)
     lining(texture_size).paint(albedo)
+    return maps
+
+
+def paint_plain_skin(texture_size: int) -> SkinMaps:
+    """Paint an adult's skin without brows, beard, make-up, marks and lines; pores remain.
+
+    Args:
+        texture_size: Rows and columns, >= 64.
+    """
+    drawn = _draw_traits(_PLAIN_SEED, EVERYBODY)["appearance"]
+    none: dict[str, tuple[str, ...]] = {
+        "marks": ("moles", "freckles", "age_spots", "capillaries"),
+        "make_up": ("lipstick", "eyeliner", "eyeshadow", "blush"),
+        "lines": ("nasolabial", "chin", "lid_crease"),
+        "brows": ("density",),
+    }
+    plain: Any = dict(drawn)
+    for name, parts in none.items():
+        plain[name] = {**plain[name], **dict.fromkeys(parts, 0)}
+    maps = _painters(texture_size)[0].paint(plain, _PLAIN_SEED)
+    lining(texture_size).paint(maps.albedo)
     return maps
 
 

@@ -7,7 +7,7 @@ and Bernerd, "Variations in skin colour", Br. J. Dermatol. 169 (s3), 2013).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -81,6 +81,10 @@ class Person:
         """
         words = [self.split, f"{self.index:05d}", self.population.tag]
         return "-".join(filter(None, [*words, f"draw{self.draw}" if self.draw else ""]))
+
+    def record(self) -> dict[str, Any]:
+        """Return what makes this person's head, in plain values."""
+        return asdict(self)
 
     def head(
         self, expression: Expression, texture_size: int, another_day: AnotherDay = SAME_DAY

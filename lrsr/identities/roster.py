@@ -16,6 +16,7 @@ from lrsr.configuration import require
 from lrsr.errors import InputError
 from lrsr.files import write_json
 from lrsr.identities.person import Person
+from lrsr.identities.photographs.person import Photographed, Somebody, read_photographed
 from lrsr.identities.population import (
     ANCESTRIES,
     EVERYBODY,
@@ -27,6 +28,8 @@ from lrsr.identities.population import (
 from lrsr.identities.splits import LARGEST_INDEX, SPLITS, Split
 
 _FORMAT = 1
+
+_GALLERIES = ("render", "photograph")
 
 _MOST_PEOPLE = 10**6
 """Of one command."""
@@ -137,6 +140,9 @@ class IdentityRange:
         ancestry: Some of african, asian, caucasian.
         age_years: Youngest and oldest.
         roster: Path of a roster; None: nobody was redrawn.
+        photographs: Folder of ``lrsr reconstruct``: the people on its photographs take part, from
+            number ``start`` on and at most ``count``, whatever the split; None: people are drawn.
+        gallery: How they are enrolled in an experiment: "render", or the "photograph" itself.
 
     Raises:
         InputError: A number is out of its range, there is no such split or population, or the
@@ -150,6 +156,8 @@ class IdentityRange:
     ancestry: tuple[str, ...] = ANCESTRIES
     age_years: tuple[float, float] = (YOUNGEST_YEARS, OLDEST_YEARS)
     roster: str | None = None
+    photographs: str | None = None
+    gallery: str = "render"
 
     def __post_init__(self) -> None:
         for name in ("ancestry", "age_years"):  # a configuration hands out lists
@@ -161,12 +169,38 @@ class IdentityRange:
             self.count <= _MOST_PEOPLE, "identities.count", self.count, f"at most {_MOST_PEOPLE}"
         )
         require(0 <= self.start <= last, "identities.start", self.start, f"0 to {last}")
+        known = f"one of {', '.join(_GALLERIES)}"
+        require(self.gallery in _GALLERIES, "identities.gallery", self.gallery, known)
+        if self.photographs is not None:
+            self._check_photographs()
+            return
+        wish = "render, or identities.photographs=FOLDER beside it"
+        require(self.gallery == "render", "identities.gallery", self.gallery, wish)
         roster = self.cast.roster
         if roster is not None:
             wanted = f"{roster.split}, as the roster's"
             require(roster.split == self.split, "identities.split", self.split, wanted)
         for index in (self.start, self.start + self.count - 1):
             self.person(index)  # refuses who is not on the roster
+
+    def _check_photographs(self) -> None:
+        """Refuse what cannot be chosen of photographs, and count who is there.
+
+        Raises:
+            InputError: The folder is none of ours or holds too few people, or they are to be others
+                than they are.
+        """
+        wish = "no such choice: people on photographs are who they are"
+        require(self.roster is None, "identities.roster", self.roster, wish)
+        chosen = population_from(asdict(self)) != EVERYBODY
+        require(not chosen, "identities.sex, ancestry or age_years", "", wish)
+        there = len(self._photographed)
+        require(self.start < there, "identities.start", self.start, f"0 to {there - 1}")
+        object.__setattr__(self, "count", min(self.count, there - self.start))
+
+    @cached_property
+    def _photographed(self) -> tuple[Photographed, ...]:
+        return read_photographed(Path(str(self.photographs)).expanduser().resolve())
 
     @cached_property
     def cast(self) -> Cast:
@@ -177,11 +211,13 @@ class IdentityRange:
         return Cast(population, _read_roster(Path(self.roster).expanduser()))
 
     def person(self, index: int) -> Person:
-        """Return somebody by the number within the split."""
+        """Return somebody who is drawn, by the number within the split."""
         return self.cast.person(cast("Split", self.split), index)
 
-    def people(self) -> list[Person]:
+    def people(self) -> list[Somebody]:
         """Return everyone, in order."""
+        if self.photographs is not None:
+            return list(self._photographed[self.start : self.start + self.count])
         return [self.person(index) for index in range(self.start, self.start + self.count)]
 
 

@@ -69,7 +69,8 @@ class MitsubaMaker:
             samples_per_pixel=quality.samples_per_pixel,
             seed=recipe.seed,
         )
-        return replace(radiance, traits=describe(head))
+        drawn = "sex" in head.parameters  # of a photographed person nobody knows it
+        return replace(radiance, traits=describe(head) if drawn else None)
 
     def survey(self, head: "Head", recipe: Recipe) -> "Survey":
         """Say what lies behind each pixel of that picture."""

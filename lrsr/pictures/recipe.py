@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from lrsr.configuration import LARGEST_SEED, as_whole
 from lrsr.errors import InputError
-from lrsr.identities.person import Person
+from lrsr.identities.photographs.person import Somebody
 from lrsr.identities.population import EVERYBODY
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.rendering.standpoint import LEVEL
@@ -32,7 +32,7 @@ class Recipe:
         InputError: The seed is out of its range.
     """
 
-    person: Person
+    person: Somebody
     scene: Scene
     film: Film
     quality: Quality
@@ -94,7 +94,7 @@ class Recipe:
         for named in (pose, lighting):
             del named["name"]
         return {
-            "person": asdict(self.person),
+            "person": self.person.record(),
             "pose": pose,
             "lighting": lighting,
             "expression": dict(self.scene.expression.units),

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from lrsr.configuration import LARGEST_SEED, as_whole, require, section, seed_of
-from lrsr.identities.person import Person
+from lrsr.identities.photographs.person import Somebody
 from lrsr.identities.roster import IdentityRange
 from lrsr.pictures.burst import STILL, Burst
 from lrsr.pictures.recipe import KINDS, Kind, Recipe
@@ -58,7 +58,7 @@ class Sitting:
         """
         return [self.recipe(person, scale, frame) for person in self.people.people()]
 
-    def recipe(self, person: Person, scale: int = 1, frame: int = 0) -> Recipe:
+    def recipe(self, person: Somebody, scale: int = 1, frame: int = 0) -> Recipe:
         """Return what somebody is rendered as; see :meth:`recipes`."""
         film = replace(self.film, scale=self.film.scale * scale)
         first = Recipe(person, self.scene, film, self.quality)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
+from lrsr.identities.photographs.person import Photographed, Somebody
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import Entry, read_folder, read_picture
 from lrsr.pictures.maker import Maker
@@ -155,6 +156,25 @@ def references_of(probes: Photographs, scale: int) -> Photographs | None:
     if not all(_scene(entry) in seen for entry in probes.entries):
         return None
     return Photographs(probes.root, [seen[_scene(entry)] for entry in probes.entries])
+
+
+def enrolled_photographs(people: Sequence[Somebody]) -> Photographs:
+    """Return the very photographs that people were reconstructed from.
+
+    Args:
+        people: Photographed ones; others have none.
+    """
+    entries = [
+        Entry(
+            file=person.file,
+            identity_id=person.id,
+            kind="gallery",
+            landmarks_px=tuple(number for point in person.five_px for number in point),
+        )
+        for person in people
+        if isinstance(person, Photographed)
+    ]
+    return Photographs(Path("/"), entries)
 
 
 def bursts_of(probes: Photographs, frames: int) -> Bursts:

@@ -20,6 +20,7 @@ _IRRELEVANT = (
     "data.root",
     "data.validation_root",
     "hydra",
+    "identities.gallery", # enrolled by lrsr eval alone
     "identities.roster",
     "logger",
     "paths",
@@ -47,7 +48,8 @@ def what_matters(config: Mapping[str, Any]) -> dict[str, Any]:
     return {
         name: value
         for name, value in flat.items()
-        if not any(name == other or name.startswith(f"{other}.") for other in _IRRELEVANT)
+        if (name, value) != ("identities.photographs", None)  # as before there were any
+        and not any(name == other or name.startswith(f"{other}.") for other in _IRRELEVANT)
     }
 
 

@@ -17,8 +17,8 @@ from lrsr.identities.head import Head
 from lrsr.identities.morphable import (
     _STREAMS,
     RECIPE_VERSION,
-    _position_map,
     _stream,
+    position_map,
     sample_head,
     sample_parameters,
     template,
@@ -268,7 +268,7 @@ def test_lids_that_wrinkle_do_not_dip_into_the_eyes(heads: dict[int, Head]) -> N
 
 
 def test_the_position_map_leads_from_texels_to_the_template() -> None:
-    surface, chart = load_basis().surface, _position_map(256)
+    surface, chart = load_basis().surface, position_map(256)
     texel = np.clip((surface.uv * 256).astype(int), 0, 255)
     away = np.linalg.norm(chart.points[texel[:, 1], texel[:, 0]] - template().skin, axis=1)
     assert np.median(away) < 1.0
@@ -277,7 +277,7 @@ def test_the_position_map_leads_from_texels_to_the_template() -> None:
 
 
 def test_the_pupils_have_a_hundred_texels_between_them() -> None:
-    chart = _position_map(512)
+    chart = position_map(512)
     face = chart.mask & (np.abs(chart.points[..., 1] - 12) < 1) & (chart.points[..., 2] > -30)
     columns = np.arange(512)[None].repeat(512, 0)
     left = columns[face & (np.abs(chart.points[..., 0] + 32) < 1)].mean()
@@ -287,7 +287,7 @@ def test_the_pupils_have_a_hundred_texels_between_them() -> None:
 
 def test_a_position_map_of_next_to_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match="texture_size"):
-        _position_map(63)
+        position_map(63)
 
 
 @pytest.mark.parametrize("call", [sample_head, sample_parameters], ids=lambda f: f.__name__)

@@ -50,10 +50,21 @@ def rest_face(weights: Points) -> RestingFace:
     Args:
         weights: ``(K,)`` coefficients: :func:`lrsr.identities.shape.anatomy.coefficients`.
     """
+    return place_face(rest_lids(load_basis(), weights, template().lids))
+
+
+def place_face(weights: Points, gazes: Points | None = None) -> RestingFace:
+    """Shape a face whose lids are as they are to be, and put it into the head frame.
+
+    Args:
+        weights: ``(K,)`` coefficients, lids at rest.
+        gazes: ``(2, 3)`` where the eyes look, in the axes of the basis; None: between their lids.
+    """
     basis = load_basis()
-    weights = rest_lids(basis, weights, template().lids)
     shaped = basis.shape(weights)
     eyes = find_eyes(basis, shaped)
+    if gazes is not None:
+        eyes = eyes._replace(gazes=gazes)
     rotation, origin = _head_frame(eyes)
     shape = _moved(shaped, rotation, origin)
     eyes = eyes.moved(rotation, origin)
@@ -78,7 +89,17 @@ def act(face: RestingFace, expression: Expression) -> tuple[Points, Points]:
     if any(blinks):
         beyond = closing_strengths(basis, face.weights, template().lids) - 1.0
         acting[blink_columns(basis)] += blinks * beyond
-    return acting, _skin(_moved(basis.shape(acting), face.rotation, face.origin), face.eyes)
+    return acting, acting_skin(face, acting)
+
+
+def acting_skin(face: RestingFace, acting: Points) -> Points:
+    """Return the skin of a face that acts, ``(V, 3)``, mm, in the frame of the face at rest.
+
+    Args:
+        face: At rest: its eyes stay.
+        acting: ``(K,)`` coefficients of what it does.
+    """
+    return _skin(_moved(load_basis().shape(acting), face.rotation, face.origin), face.eyes)
 
 
 def _head_frame(eyes: Eyes) -> tuple[Points, Points]:

@@ -38,6 +38,39 @@ def twice_area(
     return np.asarray((qx - px) * (ry - py) - (qy - py) * (rx - px))
 
 
+class Raster(NamedTuple):
+    """Which triangle lies over each texel, and where within it.
+
+    Attributes:
+        size: Rows and columns.
+        row: ``(n,)`` of the covered texels; where triangles overlap, the later one comes later.
+        column: ``(n,)``.
+        triangle: ``(n,)`` index of the triangle.
+        weights: ``(n, 3)`` of its corners, summing to 1.
+    """
+
+    size: int
+    row: NDArray[np.int64]
+    column: NDArray[np.int64]
+    triangle: NDArray[np.int64]
+    weights: NDArray[np.float64]
+
+    def draw(
+        self, faces: NDArray[np.integer], values: NDArray[np.floating]
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """Interpolate values ``(V, C)`` of the vertices of the same faces.
+
+        Returns:
+            ``(size, size, C)``, zero where nothing is, and the covered texels ``(size, size)``.
+        """
+        drawn = np.zeros((self.size, self.size, values.shape[1]))
+        mask = np.zeros((self.size, self.size), dtype=bool)
+        corners = values[faces[self.triangle]]
+        drawn[self.row, self.column] = np.einsum("nk,nkc->nc", self.weights, corners)
+        mask[self.row, self.column] = True
+        return drawn, mask
+
+
 def draw_triangles(
     uv: NDArray[np.floating], faces: NDArray[np.integer], values: NDArray[np.floating], size: int
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
@@ -51,6 +84,17 @@ def draw_triangles(
 
     Returns:
         ``(size, size, C)``, zero where nothing is, and the covered texels ``(size, size)``.
+    """
+    return cover(uv, faces, size).draw(faces, values)
+
+
+def cover(uv: NDArray[np.floating], faces: NDArray[np.integer], size: int) -> Raster:
+    """Find which triangle lies over each texel; see :func:`draw_triangles`.
+
+    Args:
+        uv: ``(V, 2)``, [0, 1].
+        faces: ``(F, 3)``.
+        size: Rows and columns, > 0.
     """
     corners = uv[faces].astype(np.float64) * size - 0.5
     low = np.clip(np.ceil(corners.min(axis=1) - 1e-9).astype(int), 0, size)
@@ -70,11 +114,7 @@ def draw_triangles(
     weights = np.concatenate([weights, 1.0 - weights.sum(axis=1, keepdims=True)], axis=1)
     inside = (weights >= -1e-9).all(axis=1)
     triangle, weights = triangle[inside], weights[inside]
-    drawn = np.zeros((size, size, values.shape[1]))
-    mask = np.zeros((size, size), dtype=bool)
-    drawn[row[inside], column[inside]] = np.einsum("nk,nkc->nc", weights, values[faces[triangle]])
-    mask[row[inside], column[inside]] = True
-    return drawn, mask
+    return Raster(size, row[inside], column[inside], triangle, weights)
 
 
 def fill_outside(values: NDArray[np.float64], mask: NDArray[np.bool_]) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from lrsr.identities.face.lashes import Lashes, sample_lashes
-from lrsr.identities.morphable import _position_map, template
+from lrsr.identities.morphable import position_map, template
 from lrsr.identities.skin.beard import _BEARD_KINDS, Beard, sample_beard
 from lrsr.identities.skin.brows import Brows, sample_brows
 from lrsr.identities.skin.canvas import FloatMap
@@ -36,7 +36,7 @@ PLACES = {
 
 @lru_cache
 def _painter() -> FeaturePainter:
-    return FeaturePainter(Layout(_position_map(SIZE)), template().skin.astype(np.float32))
+    return FeaturePainter(Layout(position_map(SIZE)), template().skin.astype(np.float32))
 
 
 def _skin(tone: float = 0.35) -> FloatMap:
@@ -44,7 +44,7 @@ def _skin(tone: float = 0.35) -> FloatMap:
 
 
 def _near(place: str, radius_mm: float = 4.0) -> NDArray[np.bool_]:
-    points, mask = _position_map(SIZE)
+    points, mask = position_map(SIZE)
     near = np.linalg.norm(points[..., :2] - np.array(PLACES[place]), axis=-1) < radius_mm
     return near & mask & (points[..., 2] > -50)
 
@@ -142,7 +142,7 @@ def test_brows_lie_above_the_eyes_on_both_sides_alike_dark() -> None:
     darker = _skin() - _browed()
     assert _touched(_browed()) <= {"brow", "lid"}
     assert darker[_near("lid", 3.0)].max() < 0.01  # the lowest hairs end 10 mm above the pupil
-    points, _ = _position_map(SIZE)
+    points, _ = position_map(SIZE)
     left, right = (darker[points[..., 0] * side > 0].sum() for side in (-1, 1))
     assert left == pytest.approx(right, rel=0.3)
 
@@ -203,7 +203,7 @@ def test_the_same_stream_draws_the_same_hairs() -> None:
 
 
 def test_nothing_reaches_the_back_of_the_head() -> None:
-    points, mask = _position_map(SIZE)
+    points, mask = position_map(SIZE)
     behind = mask & (points[..., 2] < -110)
     albedo, relief = _bearded(kind="full")
     for painted in (albedo, _browed(), _made_up(blush=1.0, eyeshadow=1.0, lipstick=1.0)):
@@ -212,7 +212,7 @@ def test_nothing_reaches_the_back_of_the_head() -> None:
 
 
 def test_without_vertices_nothing_is_displaced() -> None:
-    painter = FeaturePainter(Layout(_position_map(64)), np.zeros((0, 3), np.float32))
+    painter = FeaturePainter(Layout(position_map(64)), np.zeros((0, 3), np.float32))
     beard = sample_beard(np.random.default_rng(0), masculinity=0.9, asian=0.0, grey=0.0)
     for kind in ("none", "full"):
         worn: Beard = beard | {"kind": kind}  # type: ignore[assignment]  # one of the kinds

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.identities.morphable import _position_map
+from lrsr.identities.morphable import position_map
 from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.shading import Shading, ShadingPainter, sample_shading
 
@@ -12,7 +12,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 @pytest.fixture(scope="module")
 def layout() -> Layout:
-    return Layout(_position_map(SIZE))
+    return Layout(position_map(SIZE))
 
 
 @pytest.fixture(scope="module")

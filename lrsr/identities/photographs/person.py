@@ -1,0 +1,185 @@
+"""Who was photographed? Somebody by the checksum of the picture, usable wherever people are.
+
+``lrsr reconstruct`` writes ``people.json``: which pictures of a folder can be reconstructed, where
+the faces are on them, and how they are to be reconstructed. ``identities.photographs=FOLDER`` then
+names these people to any command. The pictures stay where they are and must not change.
+"""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from lrsr.configuration import require
+from lrsr.errors import InputError
+from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
+from lrsr.identities.face.expression import Expression
+from lrsr.identities.head import Head
+from lrsr.identities.person import Person
+from lrsr.identities.photographs.choices import HAIRS, KEPT, PHOTOGRAPHS_VERSION, Hair, Kept
+from lrsr.identities.population import EVERYBODY
+
+if TYPE_CHECKING:
+    from lrsr.identities.photographs.reconstruct import Reconstruction
+
+RECORD = "people.json"
+FORMAT = 1
+_WORN = ("name", "day", "glasses", "cap", "face_mask")
+"""What another day can bring to a photographed person."""
+
+Five = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Photographed:
+    """Somebody on a photograph.
+
+    Attributes:
+        file: Absolute path of the picture.
+        sha256: Of its bytes.
+        five_px: ``(x, y)`` of eyes, nose and corners of the mouth on it.
+        hair: "painted" or "none".
+        expression: The "photograph"'s or "neutral".
+    """
+
+    file: str
+    sha256: str
+    five_px: Five
+    hair: Hair = "painted"
+    expression: Kept = "photograph"
+
+    split = "photograph"
+    """Of no split: nobody was drawn."""
+    draw = 0
+    population = EVERYBODY
+
+    @property
+    def id(self) -> str:
+        """Stable name.
+
+        Example:
+            >>> Photographed("/a.png", "0123456789abcdef", ()).id
+            'photograph-0123456789ab'
+        """
+        return f"{self.split}-{self.sha256[:12]}"
+
+    @property
+    def index(self) -> int:
+        """A number that all chance about this person follows from."""
+        return int(self.sha256[:9], 16)
+
+    def record(self) -> dict[str, Any]:
+        """Return what makes this person's head, in plain values; where the file lies does not."""
+        return {
+            "photograph": self.sha256,
+            "five_px": [list(point) for point in self.five_px],
+            "hair": self.hair,
+            "expression": self.expression,
+            "version": PHOTOGRAPHS_VERSION,
+        }
+
+    def reconstruction(self, texture_size: int) -> "Reconstruction":
+        """Reconstruct this person; those of the last two are kept.
+
+        Args:
+            texture_size: Of the skin's albedo, px.
+
+        Raises:
+            InputError: The picture is missing or was changed, or shows no face that can be fitted.
+        """
+        return _reconstructed(self, texture_size)
+
+    def head(
+        self, expression: Expression, texture_size: int, another_day: AnotherDay = SAME_DAY
+    ) -> Head:
+        """Build the head.
+
+        Args:
+            expression: What the face does beyond what it keeps of the photograph.
+            texture_size: Of the albedo, px.
+            another_day: What is worn.
+
+        Raises:
+            InputError: The picture is missing or was changed, or the day changes what nobody knows
+                of a photographed person.
+        """
+        for name, value in another_day.record().items():
+            usual = getattr(SAME_DAY, name)
+            wish = "as it is: a photographed person can only wear glasses, cap and face_mask"
+            require(name in _WORN or value == usual, f"another_day.{name}", value, wish)
+        made = self.reconstruction(texture_size)
+        return made.head(self.id, self.record(), expression, another_day, self.index)
+
+
+Somebody = Person | Photographed
+"""Who can be made."""
+
+
+@lru_cache(maxsize=2)
+def _reconstructed(person: Photographed, texture_size: int) -> "Reconstruction":
+    """Reconstruct somebody; the last two are kept, as one person is pictured many times.
+
+    Raises:
+        InputError: See :meth:`Photographed.reconstruction`.
+    """
+    from lrsr.identities.photographs.picture_file import decode, frame
+    from lrsr.identities.photographs.reconstruct import reconstruct
+
+    try:
+        content = Path(person.file).read_bytes()
+    except OSError as error:
+        why = error.strerror or error
+        raise InputError(f"cannot read {person.file}: {why}; put it back") from error
+    if hashlib.sha256(content).hexdigest() != person.sha256:
+        raise InputError(f"{person.file} was changed: run lrsr reconstruct again")
+    photograph = frame(decode(content, person.file), np.array(person.five_px))
+    return reconstruct(
+        photograph,
+        texture_size=texture_size,
+        hair=person.hair,
+        kept=person.expression,
+    )
+
+
+def read_photographed(folder: Path) -> tuple[Photographed, ...]:
+    """Read who of a folder of ``lrsr reconstruct`` can be made, in order.
+
+    Args:
+        folder: With ``people.json``.
+
+    Raises:
+        InputError: There is no such file, or it is none of ours.
+    """
+    path = folder / RECORD
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        remedy = f"lrsr reconstruct images=PICTURES out={folder} makes one"
+        raise InputError(f"identities.photographs={folder}: no {RECORD} there; {remedy}") from error
+    try:
+        require(content["format"] == FORMAT, f"{path} format", content["format"], str(FORMAT))
+        found = tuple(_person(one) for one in content["people"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path} is no record of this version: run lrsr reconstruct again") from (
+            error
+        )
+    if not found:
+        raise InputError(f"identities.photographs={folder}: nobody there could be reconstructed")
+    return found
+
+
+def _person(told: dict[str, Any]) -> Photographed:
+    require(told["hair"] in HAIRS, "hair", told["hair"], " or ".join(HAIRS))
+    require(told["expression"] in KEPT, "expression", told["expression"], " or ".join(KEPT))
+    five = tuple((float(x), float(y)) for x, y in told["five_px"])
+    return Photographed(
+        file=str(told["file"]),
+        sha256=str(told["sha256"]),
+        five_px=five,
+        hair=cast("Hair", told["hair"]),
+        expression=cast("Kept", told["expression"]),
+    )

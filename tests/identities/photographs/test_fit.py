@@ -1,0 +1,106 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from lrsr.identities.photographs.correspondence import load_correspondence
+from lrsr.identities.photographs.fit import FaceFitter, Fit, _solve_bounded, shared_fitter
+from lrsr.identities.photographs.landmarker import Landmarker
+from lrsr.identities.photographs.perspective import Perspective
+from lrsr.identities.photographs.space import load_space
+from lrsr.identities.shape.basis import load_basis
+from lrsr.rendering.pose import Pose
+
+POSE = Pose("own", yaw_deg=8.0, pitch_deg=-4.0, roll_deg=11.0)
+
+
+@pytest.fixture(scope="module")
+def fitter() -> FaceFitter:
+    return shared_fitter()
+
+
+def points_of(fitter: FaceFitter, shapes: Any, **units: float) -> tuple[Any, Any]:
+    """Places of the network's points for a face of the space, and its vertices there."""
+    basis, space, noise = load_basis(), load_space(), load_correspondence()
+    rest = space.mean + space.components @ shapes
+    acting = rest.copy()
+    for unit, strength in units.items():
+        acting[basis.column[f"unit/{unit}"]] += strength
+    rotation = POSE.rotation()
+    seen = Perspective(rotation, 2.0, np.array([250.0, -250]), 1e-3, -rotation @ fitter.origin)
+    rows = basis.surface.matrix[noise.vertices]
+    px, _ = seen.project(rows @ basis.shape(acting).skin)
+    angle = np.radians(POSE.roll_deg)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return px + 2.0 * (noise.bias_mm @ turn.T) * [1, -1], rows @ basis.shape(acting).skin
+
+
+def flat_error_mm(fit: Fit, truth: Any) -> float:
+    rows = load_basis().surface.matrix[load_correspondence().vertices]
+    found = rows @ load_basis().shape(fit.acting).skin
+    found, truth = found - found.mean(axis=0), truth - truth.mean(axis=0)
+    found = Rotation.align_vectors(truth, found)[0].apply(found)
+    return float(np.sqrt(((found - truth)[:, :2] ** 2).sum(axis=1).mean()))
+
+
+def test_a_face_of_the_space_is_found_again(fitter: FaceFitter) -> None:
+    shapes = np.random.default_rng(3).standard_normal(100)
+    points, truth = points_of(fitter, shapes, jawOpen=0.5)
+    mean_face = flat_error_mm(fitter(points_of(fitter, np.zeros(100))[0]), truth)
+    fit = fitter(points)
+    assert (
+        flat_error_mm(fit, truth) < 0.6 * mean_face
+    )  # the prior of noise and people holds it back
+    np.testing.assert_allclose(fit.perspective.angles_deg, (8, -4, 11), atol=4.0)
+    assert fit.units["jawOpen"] > 0.2
+
+
+def test_the_mean_face_is_the_mean_face(fitter: FaceFitter) -> None:
+    fit = fitter(points_of(fitter, np.zeros(100))[0])
+    assert fit.strangeness < 0.05
+    assert max(fit.units.values()) < 0.1
+    np.testing.assert_allclose(fit.perspective.px_per_mm, 2.0, rtol=0.01)
+
+
+def test_units_stay_between_nothing_and_all(fitter: FaceFitter) -> None:
+    far = np.random.default_rng(0).uniform(0, 500, (468, 2))
+    units = fitter(far).units
+    assert 0 <= min(units.values()) <= max(units.values()) <= 1
+
+
+def test_bounds_are_met_as_the_conditions_of_optimality_want_it() -> None:
+    rng = np.random.default_rng(1)
+    mixed = rng.standard_normal((6, 6))
+    hessian, gradient = mixed @ mixed.T + np.eye(6), 5 * rng.standard_normal(6)
+    x = _solve_bounded(hessian, gradient, np.full(6, -0.5), np.full(6, 0.5))
+    slope = hessian @ x - gradient
+    for value, rise in zip(x, slope, strict=True):
+        if abs(value) < 0.5:
+            assert abs(rise) < 1e-9
+        else:
+            assert rise * value < 0
+
+
+def test_the_shipped_files_belong_together() -> None:
+    noise = load_correspondence()
+    assert noise.network == Landmarker().contract.sha256
+    assert len(noise.vertices) == len(Landmarker().contract.mirror)
+
+
+def test_mirrored_points_are_mirrored_vertices() -> None:
+    mirror = list(Landmarker().contract.mirror)
+    basis = load_basis()
+    points = (basis.surface.matrix @ basis.shape(basis.neutral).skin)[
+        load_correspondence().vertices
+    ]
+    apart = np.linalg.norm(points[mirror] * [-1, 1, 1] - points, axis=1)
+    assert np.median(apart) < 4.0
+
+
+def test_components_are_standard_deviations_of_people() -> None:
+    components = load_space().components
+    basis = load_basis()
+    moved = (basis.fields @ components).reshape(-1, 3, 100)[: basis.n_skin]
+    size = np.sqrt((moved**2).sum(axis=1).mean(axis=0))
+    assert size[:5].mean() > 3 * size[-5:].mean()

@@ -1,0 +1,114 @@
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from skimage.data import astronaut
+
+from lrsr.errors import InputError
+from lrsr.identities.day.another_day import AnotherDay
+from lrsr.identities.face.expression import NEUTRAL
+from lrsr.identities.photographs.person import Photographed, read_photographed
+from lrsr.identities.roster import IdentityRange
+
+FIVE = ((205.0, 101.0), (247.0, 103.0), (224.0, 129.0), (202.0, 138.0), (244.0, 141.0))
+
+
+def told(sha256: str, **changes: Any) -> dict[str, Any]:
+    usual = {"file": "/nowhere/a.png", "five_px": FIVE, "hair": "none", "expression": "neutral"}
+    return {**usual, "sha256": sha256, **changes}
+
+
+def folder_of(folder: Path, *people: dict[str, Any], version: int = 1) -> str:
+    (folder / "people.json").write_text(json.dumps({"format": version, "people": people}))
+    return str(folder)
+
+
+def somebody(**changes: Any) -> Photographed:
+    return Photographed(
+        **{"file": "/nowhere/a.png", "sha256": "ab" * 32, "five_px": FIVE, **changes}
+    )
+
+
+def test_where_the_file_lies_does_not_count() -> None:
+    here, there = somebody(), somebody(file="/elsewhere.png")
+    assert here.record() == there.record()
+    assert here.id == there.id == "photograph-abababababab"
+    assert here.record() != somebody(hair="none").record()
+
+
+def test_a_folder_of_the_command_is_read(tmp_path: Path) -> None:
+    people = [told("1" * 64), told("2" * 64), told("3" * 64)]
+    given = folder_of(tmp_path, *people)
+    chosen = IdentityRange(photographs=given, start=1, gallery="photograph")
+    assert [one.record()["photograph"][0] for one in chosen.people()] == ["2", "3"]
+    assert chosen.count == 2
+    assert chosen.people()[0].record()["hair"] == "none"
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        ({"start": 1}, "identities.start=1: wanted 0 to 0"),
+        ({"sex": "female"}, "people on photographs are who they are"),
+        ({"roster": "r.json"}, "identities.roster=r.json: wanted no such choice"),
+        ({"gallery": "film"}, "identities.gallery=film: wanted one of render, photograph"),
+        ({"photographs": None, "gallery": "photograph"}, "or identities.photographs=FOLDER"),
+    ],
+)
+def test_choices_that_cannot_be_are_refused(
+    tmp_path: Path, settings: dict[str, Any], says: str
+) -> None:
+    given = {"photographs": folder_of(tmp_path, told("1" * 64)), **settings}
+    with pytest.raises(InputError, match=says):
+        IdentityRange(**given)
+
+
+@pytest.mark.parametrize(
+    ("people", "version", "says"),
+    [
+        ([], 1, "nobody there could be reconstructed"),
+        ([told("1" * 64)], 2, "format=2: wanted 1"),
+        ([{"file": "a"}], 1, "is no record of this version"),
+        ([told("1" * 64, hair="wig")], 1, "hair=wig: wanted painted or none"),
+        ([told("1" * 64, expression="angry")], 1, "expression=angry"),
+    ],
+)
+def test_what_is_no_record_is_refused(
+    tmp_path: Path, people: list[dict[str, Any]], version: int, says: str
+) -> None:
+    folder_of(tmp_path, *people, version=version)
+    with pytest.raises(InputError, match=says):
+        read_photographed(tmp_path)
+
+
+def test_a_folder_of_pictures_alone_is_no_people(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"no people.json there; lrsr reconstruct images="):
+        read_photographed(tmp_path)
+
+
+def test_a_picture_that_is_gone_or_changed_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot read /nowhere"):
+        somebody().head(NEUTRAL, 64)
+    path = tmp_path / "a.png"
+    path.write_bytes(b"changed")
+    with pytest.raises(InputError, match="was changed: run lrsr reconstruct again"):
+        somebody(file=str(path)).head(NEUTRAL, 64)
+
+
+def test_of_another_day_only_what_is_worn_is_known() -> None:
+    with pytest.raises(InputError, match=r"another_day\.make_up=0\.5: wanted as it is"):
+        somebody().head(NEUTRAL, 64, AnotherDay("made up", make_up=0.5))
+
+
+def test_a_head_bears_the_person_s_name(tmp_path: Path) -> None:
+    path = tmp_path / "a.png"
+    cv2.imwrite(str(path), np.ascontiguousarray(astronaut()[..., ::-1]))
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    person = somebody(file=str(path), sha256=digest)
+    head = person.head(NEUTRAL, 64)
+    assert head.identity_id == person.id
+    assert head.parameters["photograph"] == digest
