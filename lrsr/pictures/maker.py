@@ -58,7 +58,7 @@ class MitsubaMaker:
 
     def render(self, head: "Head", recipe: Recipe) -> "Radiance":
         """Render with the one renderer of that skin model, whose scene is updated in place."""
-        from lrsr.identities.person import describe
+        from lrsr.identities.person import Person, describe
         from lrsr.rendering.renderer import shared_renderer
 
         quality = recipe.quality
@@ -69,7 +69,7 @@ class MitsubaMaker:
             samples_per_pixel=quality.samples_per_pixel,
             seed=recipe.seed,
         )
-        drawn = "sex" in head.parameters  # of a photographed person nobody knows it
+        drawn = isinstance(recipe.person, Person)  # of the photographed nobody knows it
         return replace(radiance, traits=describe(head) if drawn else None)
 
     def survey(self, head: "Head", recipe: Recipe) -> "Survey":

@@ -20,7 +20,7 @@ _IRRELEVANT = (
     "data.root",
     "data.validation_root",
     "hydra",
-    "identities.gallery", # enrolled by lrsr eval alone
+    "identities.gallery",  # enrolled by lrsr eval alone
     "identities.roster",
     "logger",
     "paths",

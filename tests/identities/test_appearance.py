@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.identities.appearance import SkinMaps, SkinPainter, sample_appearance
-from lrsr.identities.morphable import _position_map, template
+from lrsr.identities.morphable import position_map, template
 from lrsr.identities.skin import regions
 
 SIZE = 256
@@ -16,7 +16,7 @@ EUROPEAN, AFRICAN = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 
 @lru_cache
 def _painter() -> SkinPainter:
-    return SkinPainter(_position_map(SIZE), template().skin)
+    return SkinPainter(position_map(SIZE), template().skin)
 
 
 def _person(
@@ -64,7 +64,7 @@ def _paint(person: Any, seed: int = 0) -> SkinMaps:
 
 
 def _texels(centre: tuple[float, float], radius_mm: float = 4.0) -> NDArray[np.bool_]:
-    points, mask = _position_map(SIZE)
+    points, mask = position_map(SIZE)
     near = np.linalg.norm(points[..., :2] - np.array(centre), axis=-1) < radius_mm
     return near & mask & (points[..., 2] > -50)
 
@@ -99,7 +99,7 @@ def test_the_same_seed_gives_the_same_bytes_whatever_was_painted_before() -> Non
 
 def test_a_painter_of_ones_own_paints_the_same() -> None:
     person = _person(3)
-    alone = SkinPainter(_position_map(SIZE), template().skin[:7]).paint(person, 5)
+    alone = SkinPainter(position_map(SIZE), template().skin[:7]).paint(person, 5)
     np.testing.assert_array_equal(alone.albedo, _paint(person, 5).albedo)
     assert alone.displacement.shape == (7,)
 
@@ -188,19 +188,19 @@ def test_maps_of_relief_and_sheen_are_physical() -> None:
 def test_nothing_of_the_face_shows_on_the_back_of_the_head() -> None:
     lined = _plain(lines={"forehead": 1.0}, brows={"density": 2.0})
     smooth = _plain(lines={"forehead": 0.0}, brows={"density": 0.4})
-    points, mask = _position_map(SIZE)
+    points, mask = position_map(SIZE)
     behind = mask & (points[..., 2] < -90)
     np.testing.assert_array_equal(_paint(lined).albedo[behind], _paint(smooth).albedo[behind])
 
 
 def test_the_texture_continues_beyond_the_mask() -> None:
-    albedo, (_, mask) = _paint(_plain()).albedo, _position_map(SIZE)
+    albedo, (_, mask) = _paint(_plain()).albedo, position_map(SIZE)
     assert not mask.all()
     assert albedo[~mask].min() > 0.02
 
 
 def test_neighbours_across_the_back_of_the_head_agree() -> None:
-    points, mask = _position_map(SIZE)
+    points, mask = position_map(SIZE)
     behind = mask & (np.abs(points[..., 0]) < 3) & (points[..., 2] < -120) & (points[..., 1] > 0)
     albedo, side = _paint(_plain()).albedo, points[..., 0] > 0
     left, right = (albedo[behind & half].mean(axis=0) for half in (side, ~side))
@@ -244,7 +244,7 @@ def test_two_people_differ_more_than_two_paintings_of_one() -> None:
 
 
 def test_lip_texels_follow_the_outline_of_the_template() -> None:
-    points, _ = _position_map(SIZE)
+    points, _ = position_map(SIZE)
     lips = regions.lip_mask(points, regions.FACE.to_pixels(points)) > 0.5
     rows = points[lips]
     assert rows[:, 1].max() < -61

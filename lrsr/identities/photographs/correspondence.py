@@ -65,8 +65,9 @@ def tip_of(rotation: Points) -> Points:
         rotation: ``(3, 3)`` of the head.
 
     Example:
-        >>> tip_of(np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])) @ [0.0, 1.0]
-        array([1., 0.])
+        >>> lying = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+        >>> (tip_of(lying) @ [0.0, 1.0]).round(6).tolist()
+        [1.0, 0.0]
     """
     angle = np.arctan2(-rotation[1, 0], rotation[1, 1])
     cosine, sine = np.cos(angle), np.sin(angle)

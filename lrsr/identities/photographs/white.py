@@ -32,7 +32,7 @@ def light_colour(colour: NDArray[np.floating]) -> tuple[float, float]:
 
     Example:
         >>> tuple(round(part, 3) for part in light_colour(np.array([0.45, 0.29, 0.22])))
-        (0.0, 0.0)
+        (-0.004, 0.004)
     """
     skin = np.maximum(np.asarray(colour, dtype=np.float64), 1e-4)
     light = float(np.clip(np.log(skin @ _LUMINANCE), np.log(0.03), np.log(0.5)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lrsr.identities.morphable import _position_map
+from lrsr.identities.morphable import position_map
 from lrsr.identities.shape.position_map import PositionMap
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.grain import (
@@ -38,7 +38,7 @@ AMOUNTS = ("pore_depth_mm", "crease_mm", "bump_mm", "lip_furrow_mm")
 
 @lru_cache
 def _layout() -> Layout:
-    return Layout(_position_map(SIZE))
+    return Layout(position_map(SIZE))
 
 
 @lru_cache
@@ -55,7 +55,7 @@ def _sample(seed: int = 0, *, masculinity: float = 0.5, age: float = 0.3) -> Gra
 
 
 def _near(x: float, y: float, radius_mm: float) -> NDArray[np.bool_]:
-    points, mask = _position_map(SIZE)
+    points, mask = position_map(SIZE)
     near = np.hypot(points[..., 0] - x, points[..., 1] - y) < radius_mm
     return near & mask & (points[..., 2] > -50)
 
@@ -193,13 +193,13 @@ def test_everyone_lies_elsewhere_on_the_tiles() -> None:
 
 @pytest.mark.parametrize("size", [64, 128])
 def test_a_small_texture_has_its_grain_too(size: int) -> None:
-    maps = GrainPainter(Layout(_position_map(size))).paint(_sample())
+    maps = GrainPainter(Layout(position_map(size))).paint(_sample())
     assert maps.height.shape == (size, size)
     assert maps.height.any()
 
 
 def test_a_layout_without_lips_has_no_furrows() -> None:
-    points, mask = _position_map(64)
+    points, mask = position_map(64)
     above: FloatMap = np.asarray(cv2.add(points, (0.0, 300.0, 0.0, 0.0)))
     layout = Layout(PositionMap(above, mask))
     assert not layout.lips.any()

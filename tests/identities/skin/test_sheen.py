@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from lrsr.identities.morphable import _position_map
+from lrsr.identities.morphable import position_map
 from lrsr.identities.skin.beard import Beard
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.layout import Layout
@@ -30,7 +30,7 @@ NOSE, SIDE, LIP = (0.0, -40.0), (60.0, -60.0), (0.0, -80.0)
 
 @lru_cache
 def _layout() -> Layout:
-    return Layout(_position_map(SIZE))
+    return Layout(position_map(SIZE))
 
 
 @lru_cache
@@ -44,7 +44,7 @@ def _paint(seed: int = 0, **changes: float) -> FloatMap:
 
 
 def _at(roughness: FloatMap, place: tuple[float, float]) -> float:
-    points, mask = _position_map(SIZE)
+    points, mask = position_map(SIZE)
     near = np.linalg.norm(points[..., :2] - np.array(place), axis=-1) < 4.0
     return float(roughness[near & mask & (points[..., 2] > -60)].mean())
 
