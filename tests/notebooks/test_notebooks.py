@@ -14,6 +14,7 @@ ANSWERS = {  # words of what the last cell prints
     "05_your_own_photographs": "have the right person first",
     "06_what_is_a_score_worth": "this case",
 }
+LONG = ("04_does_super_resolution_help", "06_what_is_a_score_worth")
 NOTEBOOKS = sorted((Path(__file__).parents[2] / "notebooks").glob("*.ipynb"))
 
 
@@ -32,7 +33,13 @@ def test_notebook_defines_no_functions(path: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*:DeprecationWarning")  # of the kernel's own machinery
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, marks=pytest.mark.slow if path.stem in LONG else (), id=path.stem)
+        for path in NOTEBOOKS
+    ],
+)
 def test_notebook_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "agg")
     notebook = nbformat.read(path, as_version=4)
