@@ -41,6 +41,9 @@ def _mendable(error: Exception, words: Sequence[str]) -> str | None:
         return f"{key} must be given: add {key}=..."
     if isinstance(error, InstantiationException):
         return _not_built(error, words)
+    merged = re.match(r"Error merging override \+*([^=]+)=(.*)", _one_line(error))
+    if merged and isinstance(error.__cause__, TypeError):  # a list where there are settings
+        return f"{merged[1]}={merged[2]}: wanted settings, one by one: {merged[1]}.NAME=..."
     if isinstance(error, HydraException | errors.OmegaConfBaseException):
         return f"{_one_line(error)} (--cfg job prints every setting)"
     return None

@@ -114,6 +114,7 @@ def run_identities(config: "DictConfig") -> Path:
     Raises:
         InputError: A setting is wrong, or would not be read.
     """
+    _refuse_enrolled(config)
     out = path_if_any(config.export, "export")
     if out is None:
         _refuse(_OF_EXPORTS, "only export=DIR reads it; leave it")
@@ -176,6 +177,17 @@ def _refuse_unread(config: "DictConfig") -> None:
         _refuse(unread, f"photographs in {folders[0]}.folder are as they are; leave it")
 
 
+def _refuse_enrolled(config: "DictConfig") -> None:
+    """Refuse photographs as enrolled pictures where nobody is compared with them.
+
+    Raises:
+        InputError: They were asked for.
+    """
+    enrolled = as_word(config.identities.gallery, "identities.gallery")
+    wish = "render: only lrsr eval enrols photographs"
+    require(enrolled == "render", "identities.gallery", enrolled, wish)
+
+
 def _tell_unread(kind: str) -> None:
     """Say which words of ``lrsr render`` change nothing, as enrolled pictures have their own."""
     unread = _OF_SCENES if kind == "gallery" else ("gallery",)
@@ -205,6 +217,7 @@ def run_render(config: "DictConfig") -> Path:
     from lrsr.pictures.to_folder import RenderSettings, render_to_folder
     from lrsr.rendering.scene import Film
 
+    _refuse_enrolled(config)
     out = path_if_any(config.out, "out")
     if out is None:
         raise InputError("out=null: give the folder for the pictures, e.g. out=probes")
@@ -325,6 +338,7 @@ def run_train(config: "DictConfig") -> Path:
             "what to train? give one of sr=srcnn4x, sr=fsrcnn4x, sr=edsr4x, sr=imdn4x,"
             " sr=sparnet4x, each for 2x, too, recognition=arcface, recognition=mixed_resolution"
         )
+    _refuse_enrolled(config)
     from lrsr.training.learner import Learner  # Lightning takes seconds
     from lrsr.training.lessons import read_lessons
     from lrsr.training.patchwork import Patchwork

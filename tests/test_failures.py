@@ -4,7 +4,7 @@ import errno
 import os
 
 import pytest
-from hydra.errors import InstantiationException
+from hydra.errors import ConfigCompositionException, InstantiationException
 from hydra.utils import instantiate
 
 from lrsr.errors import InputError
@@ -91,3 +91,10 @@ def test_a_wrong_field_is_named_with_the_known_ones() -> None:
         instantiate({"word": {"_target_": "lrsr.overrides.Overrides", "comand": "x"}})
     status, line = explain(refused.value, ["word.comand=x"])
     assert (status, line) == (2, "no setting 'word.comand': word has command, folders, sweep")
+
+
+def test_a_list_in_place_of_settings_is_told_as_it_was_typed() -> None:
+    cause = TypeError("Cannot merge DictConfig with ListConfig")
+    error = caused(ConfigCompositionException("Error merging override ++axes=[pose]"), cause)
+    wanted = "axes=[pose]: wanted settings, one by one: axes.NAME=..."
+    assert explain(error, ["axes=[pose]"]) == (2, wanted)

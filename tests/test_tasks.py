@@ -100,3 +100,18 @@ def test_a_pair_is_compared_by_the_method_that_was_chosen(
     config = composed("compare", "files=[a.png,b.png]")
     assert tasks.run_compare(config) == Path("pair.json")
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("task", "words"),
+    [
+        (tasks.run_render, ["render", "out=probes"]),
+        (tasks.run_identities, ["identities"]),
+        (tasks.run_train, ["train", "train=srcnn2x"]),
+    ],
+    ids=["render", "identities", "train"],
+)
+def test_photographs_are_enrolled_by_eval_alone(task: Any, words: list[str]) -> None:
+    config = composed(*words, "identities.gallery=photograph")
+    with pytest.raises(InputError, match=r"identities\.gallery=photograph: wanted render"):
+        task(config)

@@ -6,7 +6,7 @@ import io
 import json
 import logging
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -17,28 +17,20 @@ import torch
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from lrsr.camera import Camera
 from lrsr.configuration import as_word, flag, require, section
 from lrsr.errors import InputError
-from lrsr.experiments.report.sheets import draw_portraits
+from lrsr.experiments.report.reconstructed import draw_reconstruction
 from lrsr.files import write_bytes, write_json, write_text
 from lrsr.identities.photographs.choices import HAIRS, Hair, Kept
 from lrsr.identities.photographs.person import FORMAT, RECORD, Photographed
 from lrsr.identities.photographs.picture_file import decode, frame
 from lrsr.identities.photographs.quality import Filters, Quality
-from lrsr.identities.photographs.reconstruct import Reconstruction
-from lrsr.identities.shape.basis import load_basis
 from lrsr.paths import path_if_any, user_path
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.image_files import SUFFIXES, read_file
 from lrsr.pictures.maker import Maker
-from lrsr.pictures.recipe import Recipe
-from lrsr.pictures.render import take_pictures
-from lrsr.presets import preset
 from lrsr.recognition.detection.detector import Detector
 from lrsr.recognition.detection.faces import Detection
-from lrsr.rendering.pose import FRONTAL, Pose
-from lrsr.rendering.scene import Film, Scene
 from lrsr.rendering.scene import Quality as Rendering
 
 if TYPE_CHECKING:
@@ -52,9 +44,6 @@ _DETECTED_PX = 1280
 """Larger pictures are reduced to this for the detector: a face that counts is not small on them."""
 _ANOTHER_FACE = 0.15
 """A second face of more than this share of the first one's area makes it two."""
-_TILE_IPD_PX, _SMALL_IPD_PX = 48.0, 8.0
-_SAMPLES = 64
-_TURNED = Pose("turned", yaw_deg=30.0)
 _ADULT_YEARS = 18.0
 
 logger = logging.getLogger(__name__)
@@ -260,39 +249,10 @@ class _Work:
         refusal = self.asked.filters.refusal(made.quality)
         if refusal is not None:
             return person | _refused(*refusal)
-        self._draw(somebody, frame(pixels, five).srgb, made)
+        srgb = frame(pixels, five).srgb
+        row = draw_reconstruction(somebody, srgb, made, self.cache, maker=self.maker)
+        write_bytes(self._row(digest), row, durable=False)
         return person
-
-    def _draw(self, person: Photographed, srgb: NDArray[np.float32], made: Reconstruction) -> None:
-        """Write the row of the contact sheet."""
-        lights = {name: preset("lighting", name) for name in ("frontal", "side")}
-        views = (
-            (FRONTAL, "frontal", _TILE_IPD_PX, "frontal"),
-            (_TURNED, "frontal", _TILE_IPD_PX, "30 degrees"),
-            (FRONTAL, "side", _TILE_IPD_PX, "side light"),
-            (FRONTAL, "frontal", _SMALL_IPD_PX, "8 px"),
-        )
-        quality = Rendering(samples_per_pixel=_SAMPLES)
-        recipes = [
-            Recipe(person, Scene(lights[light], pose), Film(ipd_px), quality).seeded(0, "probe")
-            for pose, light, ipd_px, _ in views
-        ]
-        options = {"progress": False, "maker": self.maker}
-        pictures = take_pictures(recipes, self.cache, Camera(), **options)  # type: ignore[arg-type]  # by name
-        tile = pictures[0].image.shape[-1]
-        photograph, overlaid = _tiles(srgb, made, tile)
-        tiles = [photograph, overlaid]
-        for picture in pictures:
-            image = picture.image[None]
-            tiles.append(torch.nn.functional.interpolate(image, size=(tile, tile))[0].numpy())
-        measured = made.quality
-        captions = [
-            Path(person.file).name,
-            f"yaw {measured.yaw_deg:.0f}, pitch {measured.pitch_deg:.0f}, {measured.ipd_px:.0f} px",
-            *(title for *_, title in views),
-        ]
-        row = draw_portraits(tiles, [_short(text) for text in captions], columns=len(tiles))
-        write_bytes(self._row(person.sha256), row, durable=False)
 
     def _row(self, digest: str) -> Path:
         return self.folder / _ROWS / f"{digest[:12]}.png"
@@ -394,39 +354,3 @@ def _too_young(ages: Mapping[str, str], file: str) -> str:
 
 def _refused(which: str, why: str) -> dict[str, str]:
     return {"filter": which, "why": why}
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= 26 else f"{text[:23]}..."
-
-
-def _tiles(srgb: NDArray[np.float32], made: Reconstruction, size: int) -> Iterator[Any]:
-    """Yield the photograph as large as the renderings, and the same with the fitted mesh."""
-    seen = made.fit.perspective.moved_axes(made.face.rotation, made.face.origin)
-    left, right = seen.project(made.face.eyes.pupils)[0]
-    scale = float(np.hypot(*(right - left))) / _TILE_IPD_PX
-    middle = (left + right) / 2 + [0, 0.2 * scale * _TILE_IPD_PX]  # as the reference camera frames
-    corner = middle - scale * (size - 1) / 2
-    matrix = np.array([[scale, 0, corner[0]], [0, scale, corner[1]]])
-    smooth = cv2.GaussianBlur(srgb, (0, 0), 0.45 * scale) if scale > 1.4 else srgb
-    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    tile = np.clip(cv2.warpAffine(smooth, matrix, (size, size), flags=flags), 0, 1)
-    yield tile.transpose(2, 0, 1)
-    drawn = tile.copy()
-    places = ((seen.project(made.coarse())[0] - corner) / scale).round(2)
-    for a, b in _wires():
-        start, end = (tuple(int(v) for v in 16 * places[k]) for k in (a, b))
-        cv2.line(drawn, start, end, (0.1, 1.0, 0.4), 1, cv2.LINE_AA, shift=4)
-    yield (0.5 * tile + 0.5 * drawn).transpose(2, 0, 1)
-
-
-def _wires() -> NDArray[np.int64]:
-    """Return the sides of the quads on the front of the coarse head ``(n, 2)``."""
-    basis = load_basis()
-    quads = basis.quads[basis.region == 0]
-    base = basis.shape(basis.neutral)
-    points = base.skin - base.eyes.mean(axis=(0, 1))
-    front = (points[quads, 2] > -40).all(axis=1) & (points[quads, 1] > -115).all(axis=1)
-    quads = quads[front]
-    sides = np.concatenate([quads[:, [0, 1]], quads[:, [1, 2]], quads[:, [2, 3]], quads[:, [3, 0]]])
-    return np.unique(np.sort(sides, axis=1), axis=0).astype(np.int64)

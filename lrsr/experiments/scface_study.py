@@ -2,13 +2,13 @@
 
 import logging
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from scipy.stats import kendalltau
 
 from lrsr.camera import Camera
-from lrsr.configuration import require, section, words
+from lrsr.configuration import require, words
 from lrsr.experiments.design import Design
 from lrsr.experiments.set_trial import Part, people_of
 from lrsr.experiments.surveillance_set import OF_VERIFICATION, SurveillanceSet
@@ -101,6 +101,7 @@ class SCFaceStudy(SurveillanceSet):
     wanted: Wanted = field(default_factory=Wanted)
     recreations: tuple[Camera, ...] = ()
 
+    key: ClassVar[str] = "scface"
     unread: ClassVar[tuple[str, ...]] = ("camera", "probes", *OF_VERIFICATION)
 
     @classmethod
@@ -119,9 +120,7 @@ class SCFaceStudy(SurveillanceSet):
         wish = f"as many sizes as recreations, {sizes}"
         told = [one.ipd_px for one in asked.conditions]
         require(bool(sizes) and len(told) % sizes == 0, "ipd_px", told, wish)
-        return replace(
-            asked, wanted=section(Wanted, config, "scface"), recreations=tuple(recreations)
-        )
+        return replace(cls.wanting(asked, config), recreations=tuple(recreations))
 
     def describe(self) -> dict[str, Any]:
         """Return all of it in plain values, for ``results.json``."""
@@ -131,7 +130,6 @@ class SCFaceStudy(SurveillanceSet):
         return {
             **super().describe(),
             **{name: told[name] for name in kept},
-            "scface": asdict(self.wanted),
             "recreations": recreations,
         }
 

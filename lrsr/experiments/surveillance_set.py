@@ -4,11 +4,11 @@ import logging
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from lrsr.configuration import require
+from lrsr.configuration import require, section
 from lrsr.evaluation.score_files.writing import score_file
 from lrsr.experiments.conditions import Condition
 from lrsr.experiments.design import OF_AXES, Design
@@ -52,8 +52,15 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class SurveillanceSet(Design, ABC):
-    """An experiment with the user's copy of a set."""
+    """An experiment with the user's copy of a set.
 
+    Attributes:
+        wanted: What of the set takes part: the section :attr:`key` of the configuration.
+    """
+
+    wanted: Any = None
+
+    key: ClassVar[str]
     unread: ClassVar[tuple[str, ...]] = ("probes", *OF_VERIFICATION, *OF_RENDERING)
     """Settings of ``lrsr eval`` that change nothing here."""
 
@@ -80,12 +87,21 @@ class SurveillanceSet(Design, ABC):
 
         free: Any = OmegaConf.create(OmegaConf.to_container(config))
         free.update(options=[1], conditions={"1": {}}, ipd_px=8)  # parts have their own
-        return super().from_config(free)
+        return cls.wanting(super().from_config(free), config)
+
+    @classmethod
+    def wanting(cls, asked: Self, config: "DictConfig") -> Self:
+        """Return the same with what the configuration says of the set.
+
+        Raises:
+            InputError: A value is wrong; the message names the setting and the remedy.
+        """
+        return replace(asked, wanted=section(type(asked.wanted), config, cls.key))
 
     def describe(self) -> dict[str, Any]:
         """Return it in plain values, for ``results.json``; the parts say their conditions."""
         told = super().describe()
-        return {name: told[name] for name in _TOLD}
+        return {**{name: told[name] for name in _TOLD}, self.key: asdict(self.wanted)}
 
     def part_of(self, number: int, name: str, photographs: Mapping[str, Photographs]) -> Part:
         """Return a part of photographs.

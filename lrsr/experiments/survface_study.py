@@ -2,15 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import ClassVar
 
-from lrsr.configuration import require, section
+from lrsr.configuration import require
 from lrsr.experiments.set_trial import Part
 from lrsr.experiments.surveillance_set import SurveillanceSet, root_of
 from lrsr.pictures.survface import SurvFace
-
-if TYPE_CHECKING:
-    from omegaconf import DictConfig
 
 _PROTOCOLS = ("verification", "identification")
 
@@ -45,18 +42,7 @@ class SurvFaceStudy(SurveillanceSet):
 
     wanted: Wanted = field(default_factory=Wanted)
 
-    @classmethod
-    def from_config(cls, config: "DictConfig") -> Self:
-        """Read a composed configuration of ``lrsr eval``.
-
-        Raises:
-            InputError: A value is wrong; the message names the setting and the remedy.
-        """
-        return replace(super().from_config(config), wanted=section(Wanted, config, "survface"))
-
-    def describe(self) -> dict[str, Any]:
-        """Return all of it in plain values, for ``results.json``."""
-        return {**super().describe(), "survface": vars(self.wanted)}
+    key: ClassVar[str] = "survface"
 
     def parts(self) -> list[Part]:
         """Return the protocols.

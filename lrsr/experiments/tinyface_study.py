@@ -1,15 +1,11 @@
 """How many faces of TinyFace are found again, after each way of enlarging?"""
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import ClassVar
 
-from lrsr.configuration import section
 from lrsr.experiments.set_trial import Part
 from lrsr.experiments.surveillance_set import SurveillanceSet, root_of
 from lrsr.pictures.tinyface import TinyFace
-
-if TYPE_CHECKING:
-    from omegaconf import DictConfig
 
 
 @dataclass(frozen=True)
@@ -35,18 +31,7 @@ class TinyFaceStudy(SurveillanceSet):
 
     wanted: Wanted = field(default_factory=Wanted)
 
-    @classmethod
-    def from_config(cls, config: "DictConfig") -> Self:
-        """Read a composed configuration of ``lrsr eval``.
-
-        Raises:
-            InputError: A value is wrong; the message names the setting and the remedy.
-        """
-        return replace(super().from_config(config), wanted=section(Wanted, config, "tinyface"))
-
-    def describe(self) -> dict[str, Any]:
-        """Return all of it in plain values, for ``results.json``."""
-        return {**super().describe(), "tinyface": vars(self.wanted)}
+    key: ClassVar[str] = "tinyface"
 
     def parts(self) -> list[Part]:
         """Return the one search.

@@ -135,7 +135,12 @@ def test_one_mated_pair_is_too_few_for_rates(
     renamed(folders["probe"], lambda k, row: replace(row, identity_id=f"u{k}") if k else row)
     results = run(asked, tmp_path)
     assert results["unrated"].startswith("1 pairs of pictures show one person and 35 two")
-    assert True in {one["mated"] for one in results["candidates"]}
+    mated = [one for one in results["candidates"] if one["mated"]]
+    first = read_manifest(folders["probe"])[0]
+    told = {(one["probe"], one["identity_id"]) for one in mated}
+    assert told == {(first.file, first.identity_id)}
+    ranked = [(one["recogniser"], one["method"], one["landmarks"]) for one in mated]
+    assert len(set(ranked)) == len(ranked) > 0
 
 
 def test_broken_files_are_named_and_all_others_finished(
