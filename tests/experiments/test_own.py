@@ -129,6 +129,14 @@ def test_what_is_said_of_identities_counts(asked: Own, tmp_path: Path) -> None:
     assert run(replace(asked, identified=False), tmp_path)["rows"] == []
 
 
+def test_pages_call_the_condition_photographs(asked: Own, tmp_path: Path) -> None:
+    rows = run(asked, tmp_path)["rows"]
+    assert {(row["option"], row["setting"]) for row in rows} == {(1, "photographs")}
+    page = (tmp_path / "run" / "report.html").read_text()
+    assert "Photographs, IPD" in page
+    assert "Option 1" not in page
+
+
 def test_one_mated_pair_is_too_few_for_rates(
     asked: Own, folders: dict[str, Path], tmp_path: Path
 ) -> None:
