@@ -50,7 +50,8 @@ def draw_contact_sheet(pictures: Mapping[str, torch.Tensor], rows: Sequence[str]
     ]
     for number, (lines, column) in enumerate(zip(headings, pictures.values(), strict=True)):
         x = left + number * step
-        words.append(("\n".join(lines), x + _TILE_PX / 2, heading_px / 2, 7.8))
+        size = min(7.8, 112 / max([1, *map(len, lines)]))  # points that fit the width
+        words.append(("\n".join(lines), x + _TILE_PX / 2, heading_px / 2, size))
         for row, tile in enumerate(_tiles(column)):
             y = top + row * step
             sheet[y : y + _TILE_PX, x : x + _TILE_PX] = tile.permute(1, 2, 0)

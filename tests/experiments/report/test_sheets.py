@@ -50,9 +50,11 @@ def test_the_sheet_is_as_large_as_its_pictures(columns: int, people: int) -> Non
     assert sheet.shape == (_HEADING_PX + people * step + _GAP_PX, columns * step + _GAP_PX, 3)
 
 
-def test_a_long_heading_stays_above_its_column() -> None:
+@pytest.mark.parametrize(
+    "long", ["Mean of embeddings + Bicubic 4, 4 frames", "lighting side\ncompression heavy"]
+)
+def test_a_long_heading_stays_above_its_column(long: str) -> None:
     black = torch.zeros(1, 3, 4, 4)
-    long = "Mean of embeddings + Bicubic 4, 4 frames"
     png = draw_contact_sheet({"": black, long: black, " ": black})
     sheet = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_GRAYSCALE)
     top = len(sheet) - 2 * _GAP_PX - _TILE_PX
