@@ -1,9 +1,13 @@
 """How sure is every number to be told? What all experiments that have scores share."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
 
-from lrsr.configuration import require
+from lrsr.configuration import as_word, number, require, seed_of, whole_number
 from lrsr.evaluation.calibrators import CALIBRATORS
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
 
 
 @dataclass(frozen=True)
@@ -31,3 +35,17 @@ class Asked:
         require(self.bootstrap >= 0, "bootstrap", self.bootstrap, "0 or more draws")
         known = f"one of {', '.join(CALIBRATORS)}"
         require(self.calibration in CALIBRATORS, "calibration", self.calibration, known)
+
+    @classmethod
+    def from_config(cls, config: "DictConfig") -> Self:
+        """Read what any command that has scores is told.
+
+        Raises:
+            InputError: A value is wrong; the message names the setting and the remedy.
+        """
+        return cls(
+            number(config, "level"),
+            whole_number(config, "bootstrap"),
+            seed_of(config),
+            as_word(config.calibration, "calibration"),
+        )

@@ -15,8 +15,6 @@ from lrsr.configuration import (
     flag,
     number,
     require,
-    seed_of,
-    whole_number,
 )
 from lrsr.errors import ScoreError
 from lrsr.evaluation.score_files.reading import read_scores
@@ -148,12 +146,7 @@ class Case:
             compression=as_word(config.compression, "compression"),
             upscalers=read_upscalers(config),
             recognition=RecognitionSettings.from_config(config),
-            asked=Asked(
-                number(config, "level"),
-                whole_number(config, "bootstrap"),
-                seed_of(config),
-                as_word(config.calibration, "calibration"),
-            ),
+            asked=Asked.from_config(config),
             save_scores=flag(config, "save_scores"),
         )
 

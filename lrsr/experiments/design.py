@@ -16,7 +16,6 @@ from lrsr.configuration import (
     whole_number,
     words,
 )
-from lrsr.evaluation.calibrators import CALIBRATORS
 from lrsr.experiments.asked import Asked
 from lrsr.experiments.conditions import Condition, photographed, read_conditions
 from lrsr.experiments.several import Several, read_several
@@ -109,10 +108,7 @@ class Design:
                 chosen = isinstance(one, Several) and one.needs_detector
                 wish = f"both or own: {name} chooses by the detector's score"
                 require(not chosen, "recognition.landmarks", "shared", wish)
-        require(0 < self.level < 1, "level", self.level, "between 0 and 1")
-        require(self.bootstrap >= 0, "bootstrap", self.bootstrap, "0 or more draws")
-        known = f"one of {', '.join(CALIBRATORS)}"
-        require(self.calibration in CALIBRATORS, "calibration", self.calibration, known)
+        _ = self.asked  # refuses what is out of range
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:

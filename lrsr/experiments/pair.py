@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from lrsr.configuration import as_mapping, as_word, number, require, seed_of, whole_number, words
+from lrsr.configuration import as_mapping, as_word, require, words
 from lrsr.errors import ScoreError
 from lrsr.evaluation.ratio import Ratio, ratio_of
 from lrsr.evaluation.score_files.reading import read_scores
@@ -136,12 +136,7 @@ class PairComparison:
             Pair(probe, enrolled, Cut(**cut)),
             build(config.sr, "sr"),
             RecognitionSettings.from_config(config),
-            Asked(
-                number(config, "level"),
-                whole_number(config, "bootstrap"),
-                seed_of(config),
-                as_word(config.calibration, "calibration"),
-            ),
+            Asked.from_config(config),
             path_if_any(config.scores, "scores"),
             Name(**among),
             path_if_any(config.out, "out"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from lrsr.configuration import as_word, flag, number, require, seed_of, whole_number, words
+from lrsr.configuration import as_word, flag, require, words
 from lrsr.errors import InputError, ScoreError
 from lrsr.evaluation.sample_size import pairs_for_precision, rate_without_error
 from lrsr.evaluation.score_files.reading import FORMATS, read_scores
@@ -82,12 +82,7 @@ class Scoring:
         """
         return cls(
             files=tuple(user_path(file, "files") for file in words(config, "files")),
-            asked=Asked(
-                number(config, "level"),
-                whole_number(config, "bootstrap"),
-                seed_of(config),
-                as_word(config.calibration, "calibration"),
-            ),
+            asked=Asked.from_config(config),
             name=as_word(config.name, "name"),
             question=as_word(config.question, "question"),
             format=None if config.format is None else as_word(config.format, "format"),
