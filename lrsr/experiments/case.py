@@ -116,7 +116,7 @@ class Case:
         """Return which settings of ``lrsr eval`` change nothing here."""
         never = (
             *("probes", "conditions", "options", "fusions", "fusion", "frames", "burst", "lpips"),
-            *("details", *OF_AXES),
+            *("details", "references", *OF_AXES),
         )
         return (*never, *(_OF_THE_SIMULATION if config.case.scores is not None else ()))
 

@@ -63,6 +63,8 @@ class Design:
         lpips: ONNX file that says how far pictures look from their references; None: nobody asks.
         burst: How the frames of a probe differ, where a method takes several.
         details: Show curves and faces of every condition in the report.
+        references: Render the true references, too; without them nothing is said of PSNR, SSIM,
+            identity and the like.
         share: Of the people, (k, n): nothing but every n-th of them is rendered, beginning with the
             k-th; None: all are, and evaluated.
 
@@ -90,6 +92,7 @@ class Design:
     lpips: Path | None = None
     burst: Burst = STILL
     details: bool = True
+    references: bool = True
     share: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
@@ -98,6 +101,8 @@ class Design:
             wish = "at least 2: nobody is an impostor alone"
             require(count >= 2, "identities.count", count, wish)
         require(len(self.conditions) > 0, "options", [], "at least one")
+        wish = "true: lpips tells how far pictures are from them"
+        require(self.references or self.lpips is None, "references", False, wish)
         for condition in self.conditions:
             if condition.scene is not None:
                 lens = condition.scene.lens
@@ -142,6 +147,7 @@ class Design:
             lpips=path_if_any(config.lpips, "lpips"),
             burst=read_burst(config),
             details=flag(config, "details"),
+            references=flag(config, "references"),
             share=_share(config),
         )
 
@@ -184,6 +190,7 @@ class Design:
             "calibration": self.calibration,
             "seed": self.seed,
             "details": self.details,
+            "references": self.references,
             **({"burst": asdict(self.burst)} if self.frames > 1 else {}),
             "probes_folder": None if self.probes_folder is None else str(self.probes_folder),
             "gallery_folder": None if self.gallery_folder is None else str(self.gallery_folder),

@@ -77,7 +77,7 @@ class Own(Design):
     identified: bool | None = None
 
     unread: ClassVar[tuple[str, ...]] = (
-        *("lpips", "fusions", "fusion", "frames", "burst"),
+        *("lpips", "references", "fusions", "fusion", "frames", "burst"),
         *OF_AXES,
     )
     """Settings of ``lrsr eval`` that change nothing here."""

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 OF_VERIFICATION = ("fusions", "frames", "fusion", "burst", *OF_AXES)
 OF_RENDERING = (
     *("identities", "rendering", "camera", "lens", "standpoint", "expression", "another_day"),
-    *("gallery", "options", "conditions", "ipd_px", "lpips"),
+    *("gallery", "options", "conditions", "ipd_px", "lpips", "references"),
 )
 
 _DONE = (

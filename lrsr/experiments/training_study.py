@@ -89,7 +89,7 @@ class TrainingStudy:
     unread: ClassVar[tuple[str, ...]] = (
         *("identities", "rendering", "camera", "lens", "standpoint", "expression", "another_day"),
         *("gallery", "probes", "recognition", "sr", "level", "bootstrap", "save_scores"),
-        *("calibration", "details", *OF_AXES),
+        *("calibration", "details", "references", *OF_AXES),
     )
     """Settings of ``lrsr eval`` that change nothing here."""
 

@@ -124,6 +124,9 @@ class Trial:
 
     @property
     def _scales(self) -> list[int]:
+        """Of the true references that are wanted."""
+        if not self.design.references:
+            return []
         return sorted({upscaler.scale for upscaler in self.design.upscalers.values()} - {1})
 
     def render(self) -> int:

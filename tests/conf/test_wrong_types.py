@@ -69,7 +69,7 @@ UNREAD = {
     "eval-case": {
         *("sr", "recognition", "gallery", "burst", "expression", "another_day"),  # tried in eval
         *("probes", "conditions", "options", "fusions", "fusion", "frames", "lpips"),
-        *("axes", "against", "shard", "shards", "details"),  # of others
+        *("axes", "against", "shard", "shards", "details", "references"),  # of others
         *("pose", "lighting", "camera"),  # tried in render
         *("methods", "level", "bootstrap", "save_scores", "calibration", "name", "question"),
     },

@@ -71,6 +71,12 @@ def test_the_experiment_of_another_day_has_every_kind_once() -> None:
     assert sorted(days) == sorted(presets("another_day"))
 
 
+def test_without_references_nobody_can_tell_how_far_pictures_are_from_them() -> None:
+    assert not Design.from_config(composed("references=false")).references
+    with pytest.raises(InputError, match="references=false: wanted true"):
+        Design.from_config(composed("references=false", "lpips=mine.onnx"))
+
+
 def test_conditions_are_sizes_times_options() -> None:
     settings = Design.from_config(composed("ipd_px=[8,11]", "options=[1,6]"))
     assert [(c.ipd_px, c.option) for c in settings.conditions] == [(8, 1), (8, 6), (11, 1), (11, 6)]

@@ -147,6 +147,18 @@ def test_base_alone_needs_no_reference(tmp_path: Path, tone_model: Path) -> None
     assert outcome.rows[0]["psnr_y_db"] is None
 
 
+def test_without_references_fewer_pictures_are_rendered_and_nothing_else_changes(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    without = trial(tmp_path, tone_model, replace(DESIGN, references=False))
+    assert without.render() == 12 * 2
+    (bare,), (whole,) = without.outcomes(), trial(tmp_path, tone_model).outcomes()
+    assert "Reference" not in bare.panel.pictures
+    for row, full in zip(bare.rows, whole.rows, strict=True):
+        assert row["psnr_y_db"] is row["identity_similarity"] is None
+        assert row["auc"] == full["auc"]
+
+
 def test_a_camera_with_flaws_takes_the_probes_alone(tmp_path: Path, tone_model: Path) -> None:
     flawed = Camera(supersampling=2, sensor=Sensor(100.0), name="flawed")
     experiment = trial(tmp_path, tone_model, replace(DESIGN, camera=flawed))
