@@ -19,7 +19,7 @@ from lrsr.calibration.picture_statistics import BENT_NAMES, GROUPS, RANGES, RING
 from lrsr.calibration.real_pictures import RealPictures
 from lrsr.camera.preset_file import build_camera
 from lrsr.files import write_bytes, write_json
-from lrsr.pages import COLOURS, DPI, STYLE, data_uri, encode_face, png_bytes, write_page
+from lrsr.pages import COLOURS, DPI, STYLE, encode_face, png_bytes, png_uri, write_page
 from lrsr.provenance import versions
 
 _SHOWN = 8
@@ -110,7 +110,7 @@ def write_finding(
         title=f"Camera {finding.preset['name']}",
         question="Which camera took these pictures?",
         answer=_answer(finding),
-        figure=data_uri(figure),
+        figure=png_uri(figure),
         columns={
             label: [encode_face(face) for face in column[:_SHOWN].numpy()]
             for label, column in pictures.items()

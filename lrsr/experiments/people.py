@@ -24,7 +24,7 @@ from lrsr.experiments.uniqueness import (
 from lrsr.files import write_bytes, write_json
 from lrsr.identities.gate.gate import tally
 from lrsr.identities.roster import write_roster
-from lrsr.pages import data_uri, encode_face, write_page
+from lrsr.pages import encode_face, png_uri, write_page
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import write_manifest
 from lrsr.pictures.image_files import write_png
@@ -192,7 +192,7 @@ def _write_figures(
         figures["nearest_pairs"] = _draw_pairs(findings, portraits)
     for name, png in figures.items():
         write_bytes(folder / f"{name}.png", png)
-    return {name: data_uri(png) for name, png in figures.items()}
+    return {name: png_uri(png) for name, png in figures.items()}
 
 
 def _draw_pairs(findings: Findings, portraits: Mapping[Drawn, Picture]) -> bytes:

@@ -15,7 +15,7 @@ from lrsr.errors import InputError
 from lrsr.experiments.design import OF_AXES
 from lrsr.experiments.report.learning import draw_learning
 from lrsr.files import write_bytes, write_json
-from lrsr.pages import data_uri, write_page
+from lrsr.pages import png_uri, write_page
 from lrsr.paths import user_path
 from lrsr.pictures.cache import RenderCache
 from lrsr.provenance import versions
@@ -141,7 +141,7 @@ class TrainingStudy:
             answer=sentences,
             rows=rows,
             quantity=self.quantity,
-            curve=data_uri(curve),
+            curve=png_uri(curve),
             settings=config,
             seed=self.seed,
             done=["Each run's own figures were read; all were validated on the same pictures."],

@@ -128,13 +128,13 @@ def _figures(one: Weighed) -> Iterator[dict[str, str]]:
         if some:
             told = f"judged on {judged}, by what was calibrated on"
             yield {
-                "png": draw_tippett(some),
+                "image": draw_tippett(some),
                 "alt": f"Tippett plots {told}; the costs are those of the table",
                 "caption": f"Tippett plots, {told}: the share of pairs with at least that ratio. "
                 "Genuine pairs left of 0 and impostor pairs right of 0 mislead.",
             }
             yield {
-                "png": draw_ece(some),
+                "image": draw_ece(some),
                 "alt": f"Cross-entropy {told}; the costs are those of the table",
                 "caption": f"Cross-entropy, {told}: what remains unknown after the ratio, at every "
                 "prior. Above the dotted line the ratios do harm.",

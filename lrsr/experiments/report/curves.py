@@ -1,4 +1,4 @@
-"""What do rates, ratios and qualities look like? Curves of every method as PNG data for a page."""
+"""What do rates, ratios and qualities look like? Curves, as vector graphics."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from lrsr.evaluation.discard import DiscardCurve
 from lrsr.evaluation.likelihood import ECE_ODDS, TIPPETT_LLRS, Curve, Evidence
 from lrsr.evaluation.rates import CmcCurve
 from lrsr.evaluation.roc import RocCurve
-from lrsr.pages import DPI, STYLE, data_uri, line_style, png_bytes
+from lrsr.pages import STYLE, line_style, svg_uri
 
 _RATES = (1e-5, 1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.99)
 _GENUINE, _IMPOSTOR, _BEST = "#0072B2", "#D55E00", "#009E73"
@@ -34,22 +34,22 @@ def draw_det_and_cmc(curves: Mapping[str, RocCurve], ranks: Mapping[str, CmcCurv
         ranks: By label; empty where nobody was looked for in a gallery.
 
     Returns:
-        A PNG as a data URI.
+        An SVG as a data URI.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(7.2 if ranks else 3.8, 3.5), dpi=DPI, layout="constrained")
+        figure = Figure(figsize=(7.2 if ranks else 3.8, 3.5), layout="constrained")
         axes = np.atleast_1d(figure.subplots(1, 2 if ranks else 1))
         _draw_det(axes[0], curves)
         if ranks:
             _draw_cmc(axes[1], ranks)
-        return data_uri(png_bytes(figure))
+        return svg_uri(figure)
 
 
 def draw_tippett(found: Mapping[str, Evidence]) -> str:
     """Draw which share of the pairs of each kind has at least a ratio, a picture a method.
 
     Returns:
-        A PNG as a data URI.
+        An SVG as a data URI.
     """
 
     def draw(axes: Axes, evidence: Evidence) -> None:
@@ -70,7 +70,7 @@ def draw_ece(found: Mapping[str, Evidence]) -> str:
     """Draw the cross-entropy against the prior odds, a picture a method.
 
     Returns:
-        A PNG as a data URI.
+        An SVG as a data URI.
     """
 
     def draw(axes: Axes, evidence: Evidence) -> None:
@@ -97,7 +97,7 @@ def draw_discard(found: Mapping[str, Mapping[str, DiscardCurve]]) -> str:
         found: By measure, then by method's label.
 
     Returns:
-        A PNG as a data URI.
+        An SVG as a data URI.
     """
 
     def draw(axes: Axes, curves: Mapping[str, DiscardCurve]) -> None:
@@ -122,7 +122,7 @@ def _small(
     down = math.ceil(len(found) / across)
     with rc_context(STYLE):
         figure = Figure(
-            figsize=(7.2 if across > 1 else 4.8, 2.1 * down + 0.3), dpi=DPI, layout="constrained"
+            figsize=(7.2 if across > 1 else 4.8, 2.1 * down + 0.3), layout="constrained"
         )
         grid = figure.subplots(down, across, squeeze=False, sharey=True)
         for axes, (title, what) in zip(grid.flat, found.items(), strict=False):
@@ -135,7 +135,7 @@ def _small(
         figure.supylabel(ylabel, fontsize=8)
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
-        return data_uri(png_bytes(figure))
+        return svg_uri(figure)
 
 
 def _draw_det(axes: Axes, curves: Mapping[str, RocCurve]) -> None:

@@ -1,4 +1,4 @@
-"""What do the numbers look like? Curves, intervals and faces as PNG data for one HTML file."""
+"""What do the numbers look like? Curves, intervals and faces as vector graphics for one page."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from lrsr.evaluation.roc import RocCurve, band
-from lrsr.pages import DPI, STYLE, data_uri, line_style, png_bytes
+from lrsr.pages import DPI, STYLE, line_style, png_bytes, svg_uri
 
 
 def draw_roc(curves: Mapping[str, RocCurve], level: float = 0.95) -> str:
@@ -26,11 +26,13 @@ def draw_roc(curves: Mapping[str, RocCurve], level: float = 0.95) -> str:
         level: Of the bands, in (0, 1).
 
     Returns:
-        A PNG as a data URI.
+        An SVG as a data URI.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 3.5), dpi=DPI, layout="constrained")
+        figure = Figure(figsize=(7.2, 3.5), layout="constrained")
         plain, logarithmic = figure.subplots(1, 2)
+        least = 1 / max(curve.n_impostor for curve in curves.values())
+        logarithmic.set(xscale="log", xlim=(least, 1), title="Few false matches (logarithmic FMR)")
         for number, (label, curve) in enumerate(curves.items()):
             for axes in (plain, logarithmic):
                 _draw_curve(axes, curve, f"{label}  {curve.auc:.3f}", number, level)
@@ -39,10 +41,8 @@ def draw_roc(curves: Mapping[str, RocCurve], level: float = 0.95) -> str:
             axes.grid(visible=True)
         plain.plot([0, 1], [0, 1], color="#999999", linewidth=0.6, linestyle=":", zorder=1)
         plain.set(xlim=(-0.01, 1), title="All thresholds")
-        least = 1 / max(curve.n_impostor for curve in curves.values())
-        logarithmic.set(xscale="log", xlim=(least, 1), title="Few false matches (logarithmic FMR)")
         plain.legend(title="Method, AUC", loc="lower right", handlelength=3)
-        return data_uri(png_bytes(figure))
+        return svg_uri(figure)
 
 
 def draw_intervals(labels: Sequence[str], areas: Sequence[Mapping[str, Any]], quantity: str) -> str:
@@ -54,10 +54,10 @@ def draw_intervals(labels: Sequence[str], areas: Sequence[Mapping[str, Any]], qu
         quantity: What the axis says.
 
     Returns:
-        A PNG as a data URI.
+        An SVG as a data URI.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 0.55 + 0.24 * len(areas)), dpi=DPI, layout="constrained")
+        figure = Figure(figsize=(7.2, 0.55 + 0.24 * len(areas)), layout="constrained")
         axes = figure.subplots()
         places = np.arange(len(areas))[::-1]
         for place, area in zip(places, areas, strict=True):
@@ -70,7 +70,7 @@ def draw_intervals(labels: Sequence[str], areas: Sequence[Mapping[str, Any]], qu
         axes.tick_params(axis="y", length=0)
         axes.grid(visible=True, axis="x")
         axes.spines["left"].set_visible(False)
-        return data_uri(png_bytes(figure))
+        return svg_uri(figure)
 
 
 def draw_angles(angles_deg: ArrayLike, smallest_angle_deg: float, encoder: str) -> bytes:
@@ -112,7 +112,18 @@ def _draw_curve(axes: Axes, curve: RocCurve, label: str, number: int, level: flo
     style = line_style(number)
     limits = band(curve, level)
     # Low holds up to the next FMR, high down to the one before: draw both as steps.
-    fmr = np.repeat(limits.fmr, 2)[1:-1]
-    low, high = np.repeat(limits.low, 2)[:-2], np.repeat(limits.high, 2)[2:]
+    kept = _seen(limits.fmr, limits.low, axes)
+    fmr = np.repeat(limits.fmr[kept], 2)[1:-1]
+    low, high = np.repeat(limits.low[kept], 2)[:-2], np.repeat(limits.high[kept], 2)[2:]
     axes.fill_between(fmr, low, high, color=style["color"], alpha=0.10, linewidth=0, zorder=2)
     axes.plot(curve.fmr, curve.tmr, label=label, zorder=3 + number, **style)
+
+
+def _seen(fmr: NDArray[np.float64], low: NDArray[np.float64], axes: Axes) -> NDArray[np.intp]:
+    """Return which places of a band are a hundred-and-fiftieth of the picture apart."""
+    across = fmr
+    if axes.get_xscale() == "log":
+        least, most = axes.get_xlim()
+        across = np.log(np.maximum(fmr, least) / least) / np.log(most / least)
+    way = np.abs(np.diff(across, prepend=0.0)) + np.abs(np.diff(low, prepend=0.0))
+    return np.unique(np.floor(150 * np.cumsum(way)), return_index=True)[1]

@@ -1,4 +1,4 @@
-"""How does one number change over two things at once? Heat maps with the numbers, as PNG data."""
+"""How does one number change over two things at once? Heat maps with the numbers."""
 
 from collections.abc import Mapping
 
@@ -7,7 +7,7 @@ from matplotlib import colormaps, rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lrsr.pages import DPI, STYLE, data_uri, png_bytes
+from lrsr.pages import STYLE, svg_uri
 
 _LOW, _HIGH = 0.5, 1.0
 """Guessing and certainty; what lies outside has the colour of the end."""
@@ -26,7 +26,7 @@ def draw_heat_maps(
         title: Of the whole.
 
     Returns:
-        A PNG as a data URI.
+        An SVG as a data URI.
     """
     table = next(iter(blocks.values()))
     rows, columns = len(table), len(next(iter(table.values())))
@@ -35,7 +35,7 @@ def draw_heat_maps(
     wide = max(_WIDTH, across * (0.6 * columns + 0.4) + 1.4)
     size = (wide, down * (0.3 * rows + 0.8) + 0.3)
     with rc_context(STYLE):
-        figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+        figure = Figure(figsize=size, layout="constrained")
         grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
         for axes, (name, table) in zip(grid.flat, blocks.items(), strict=False):
             _draw_map(axes, table)
@@ -43,7 +43,7 @@ def draw_heat_maps(
         for axes in list(grid.flat)[len(blocks) :]:
             axes.set_visible(False)
         figure.suptitle(title, fontsize=8.5, x=0.01, ha="left")
-        return data_uri(png_bytes(figure))
+        return svg_uri(figure)
 
 
 def _draw_map(axes: Axes, table: Mapping[str, Mapping[str, float | None]]) -> None:

@@ -13,12 +13,12 @@ class Figure:
     """A picture of a report.
 
     Attributes:
-        png: As a data URI.
+        image: As a data URI.
         alt: What it shows, for who cannot see it.
         caption: What a reader must know.
     """
 
-    png: str
+    image: str
     alt: str
     caption: str
 
