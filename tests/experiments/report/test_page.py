@@ -198,6 +198,14 @@ def test_answer_names_the_best_method_of_each_option(page: Page) -> None:
         assert f"Option {option}, IPD 8 px: the highest AUC is that of SR 4" in page.text
 
 
+@pytest.mark.parametrize("fta", [0.0, 0.2])
+def test_answer_says_where_a_test_is_of_faces_that_both_methods_found(fta: float) -> None:
+    told = {"base": fta, "bicubic4": 0.0, "srcnn4": 0.0}
+    rows = [row | {"fta": told[row["method"]]} for row in make_results()["rows"]]
+    text = Page(render_html(make_results(rows=rows))).text
+    assert ("against Base, where both found the face, +" in text) == (fta > 0)
+
+
 def test_methods_that_share_the_highest_area_are_all_named() -> None:
     scores = np.array([2.0, 3.0]), np.array([0.0, 1.0])
     rows = [make_row(1, method, scores) for method in METHODS]
