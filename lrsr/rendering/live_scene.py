@@ -8,6 +8,7 @@ textures; poses turn the light (and the camera) instead of the head.
 import gc
 import logging
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -15,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from lrsr.errors import InputError
 from lrsr.identities.head import Head, Part
-from lrsr.rendering.backend import mi
+from lrsr.rendering.backend import alone, mi
 from lrsr.rendering.environment import environment
 from lrsr.rendering.geometry import world_to_head
 from lrsr.rendering.lighting import Lighting
@@ -59,6 +61,11 @@ class LiveScene:
         self._lighting: Lighting | None = None
         self._panels = 0
         self._pose: Pose | None = None
+
+    def __del__(self) -> None:
+        """Let go of the scene while nobody renders: a virtual call goes through all that live."""
+        with suppress(InputError), alone():  # which a forked child may not
+            self.__dict__.clear()
 
     def show(self, head: Head, lighting: Lighting, pose: Pose) -> Any:
         """Return the ``mi.Scene`` with that head in that light, as seen from the head's frame."""

@@ -4,8 +4,10 @@ import os
 import subprocess
 import sys
 import threading
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Event, Thread
 
 import numpy as np
 import pytest
@@ -13,6 +15,14 @@ from fakes.scenes import POSES, Studio
 from oracles.heads import stand_in
 
 from lrsr.identities.morphable import sample_head
+from lrsr.presets import preset
+from lrsr.rendering.backend import alone
+from lrsr.rendering.live_scene import LiveScene
+
+
+class Value:
+    """Something that a scene holds."""
+
 
 ASK = {"ipd_px": 4.0, "samples_per_pixel": 16}
 
@@ -92,6 +102,25 @@ def test_threads_of_one_renderer_get_what_they_asked_for(renderer: Studio) -> No
     with ThreadPoolExecutor(4) as pool:
         seen = list(pool.map(lambda job: renderer.render(job[0], pose=job[1], **ASK).image, jobs))
     assert all(a.equal(b) for a, b in zip(wanted, seen, strict=True))
+
+
+def test_a_scene_that_nobody_wants_waits_for_the_picture_of_another_thread() -> None:
+    """Dr.Jit goes through all scenes that live, and said "unknown variable" of one that left."""
+    kept, held, gone = [LiveScene(preset("rendering/skin", "reflective"))], Value(), Event()
+    kept[0]._around["something"] = held
+    left = weakref.ref(held)
+    del held
+
+    def drop() -> None:
+        kept.clear()
+        gone.set()
+
+    with alone():
+        Thread(target=drop).start()
+        assert not gone.wait(0.2)
+        assert left() is not None
+    assert gone.wait(10)
+    assert left() is None
 
 
 def test_heads_are_built_while_another_is_rendered(renderer: Studio) -> None:
