@@ -173,8 +173,11 @@ def _refuse_unread(config: "DictConfig") -> None:
     keys = ("probes", "gallery")
     folders = [key for key in keys if OmegaConf.select(config, f"{key}.folder") is not None]
     unread = [*(_OF_PROBES if "probes" in folders else ()), *(_OF_PEOPLE if folders[1:] else ())]
-    if folders:
-        _refuse(unread, f"photographs in {folders[0]}.folder are as they are; leave it")
+    typed = [("probes", key) for key in _typed_of(unread)]
+    if "gallery" in folders:
+        typed += [("gallery", key) for key in _typed_of(["gallery"]) if key != "gallery.folder"]
+    for folder, key in typed:
+        raise InputError(f"{key}: photographs in {folder}.folder are as they are; leave it")
 
 
 def _refuse_enrolled(config: "DictConfig") -> None:

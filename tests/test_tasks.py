@@ -23,6 +23,9 @@ from lrsr.errors import InputError
         ({"probes": "a", "gallery": "b"}, "rendering/skin=tone", True),
         ({"probes": "a", "gallery": "b"}, "methods=[base]", False),
         ({"gallery": "b"}, "ipd_px=11", False),
+        ({"gallery": "b"}, "gallery.folder=b", False),
+        ({"gallery": "b"}, "gallery.pose=left", True),
+        ({"probes": "a"}, "gallery.pose=left", False),
         ({}, "ipd_px=11", False),
     ],
 )
@@ -35,7 +38,9 @@ def test_what_photographs_make_needless_is_refused(
     if not refused:
         tasks._refuse_unread(config)
         return
-    with pytest.raises(InputError, match=r"photographs in probes\.folder are as they are"):
+    with pytest.raises(
+        InputError, match=rf"photographs in {[*folders][0]}\.folder are as they are"
+    ):
         tasks._refuse_unread(config)
 
 
