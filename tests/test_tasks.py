@@ -38,9 +38,8 @@ def test_what_photographs_make_needless_is_refused(
     if not refused:
         tasks._refuse_unread(config)
         return
-    with pytest.raises(
-        InputError, match=rf"photographs in {[*folders][0]}\.folder are as they are"
-    ):
+    folder = next(iter(folders))
+    with pytest.raises(InputError, match=rf"photographs in {folder}\.folder are as they are"):
         tasks._refuse_unread(config)
 
 
