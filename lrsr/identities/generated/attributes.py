@@ -17,8 +17,6 @@ from lrsr.identities.photographs.zones import zones
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.position_map import cover
 
-Map = NDArray[np.float32]
-
 ATTRIBUTES = ("yaw_deg", "pitch_deg", "smile", "jaw_open", "light_across", "light_above")
 """Yaw and pitch as :class:`lrsr.rendering.pose.Pose`; strength of face units, [0, 1]; logarithm of
 the light on skin that faces the subject's left over that on the right, and of up over down."""
@@ -59,7 +57,7 @@ class AttributeMeter:
         return dict(zip(ATTRIBUTES, values, strict=True))
 
 
-def _imbalances(seen: Texels, linear: Map) -> tuple[float, float]:
+def _imbalances(seen: Texels, linear: NDArray[np.float32]) -> tuple[float, float]:
     """Return how uneven light is from side to side and from above to below, by the fitted light."""
     parts = zones(len(linear))
     weight = (parts.plain & seen.visible & (seen.facing > _FACING[0])).astype(np.float32)

@@ -68,7 +68,7 @@ _REPEATED = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class GeneratorContract:
+class _GeneratorContract:
     """A generator's declared contract; see the module for the meaning of each field."""
 
     sha256: str
@@ -211,14 +211,14 @@ class Generator:
         return {"model": self.model.name} | {name: getattr(self.contract, name) for name in names}
 
 
-def _read_generator_contract(model: Path) -> GeneratorContract:
+def _read_generator_contract(model: Path) -> _GeneratorContract:
     """Read the contract beside ``model`` and check the model's bytes against its sha256.
 
     Raises:
         InputError: Model or contract is missing or unreadable; a field is missing, unknown or out
             of range; or the model is not the one that the contract was written for.
     """
-    contract = read_declared(GeneratorContract, model, _TABLES, _CHOICES)
+    contract = read_declared(_GeneratorContract, model, _TABLES, _CHOICES)
     path = contract_path(model)
     if bool(contract.w) != bool(contract.mapping):
         raise InputError(f"{path}: latent.w and latent.mapping go together; give both or neither")
