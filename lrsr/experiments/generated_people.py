@@ -25,6 +25,7 @@ from lrsr.files import write_bytes, write_json
 from lrsr.identities.generated.attributes import AttributeMeter
 from lrsr.identities.generated.boundaries import Boundaries
 from lrsr.identities.generated.generator import Generator
+from lrsr.identities.photographs.choices import PHOTOGRAPHS_VERSION
 from lrsr.identities.photographs.picture_file import frame
 from lrsr.identities.photographs.quality import Filters
 from lrsr.identities.photographs.reconstruct import reconstruct
@@ -40,6 +41,7 @@ Change = tuple[str, float]
 
 _RECORD, _SHEET, _FOUND = "generated.json", "sheet.png", "people.jsonl"
 _NEUTRAL: Change = ("", 0.0)
+_PREFIX = "generated-"
 _STREAM = 1
 """Second number of the seeds of people."""
 _TEXELS = 128
@@ -113,6 +115,7 @@ class GeneratedPeople:
             "variations": {name: list(steps) for name, steps in self.variations.items()},
             "smallest_angle_deg": self.smallest_angle_deg,
             "filters": asdict(self.filters),
+            "version": PHOTOGRAPHS_VERSION,
         }
 
     def find(self, count: int, most_refused: int, *, progress: bool = True) -> None:
@@ -141,7 +144,7 @@ class GeneratedPeople:
     def _look(self, number: int) -> Told:
         """Return what becomes of one who is drawn."""
         told: Told = {
-            "identity_id": f"generated-{self.seed}-{number:05d}",
+            "identity_id": f"{_PREFIX}{self.seed}-{number:05d}",
             "latent_seed": [self.seed, _STREAM, number],
             "filter": "",
             "why": "",
@@ -226,7 +229,8 @@ class GeneratedPeople:
             heading = f"{change[0]}\n{change[1]:+g}" if change[0] else "neutral"
             pictures = [read_image(self.folder / _file(told, change)) for told in shown]
             columns[heading] = torch.stack(pictures)
-        return draw_contact_sheet(columns, [told["identity_id"] for told in shown])
+        names = [told["identity_id"].removeprefix(_PREFIX) for told in shown]  # as fit beside tiles
+        return draw_contact_sheet(columns, names)
 
     @cached_property
     def _detector(self) -> Detector:

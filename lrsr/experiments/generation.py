@@ -87,6 +87,8 @@ class Generating:
         require(self.most_refused >= 1, "most_refused", self.most_refused, "at least 1")
         require(self.device in DEVICES, "device", self.device, f"one of {', '.join(DEVICES)}")
         require(bool(self.attributes), "attributes", "{}", "at least one")
+        for name in self.attributes:  # files are called by them
+            require(name.isidentifier(), "attributes", name, "letters, digits and _")
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:

@@ -22,6 +22,7 @@ from lrsr.errors import InputError
 from lrsr.identities.generated.attributes import ATTRIBUTES, AttributeMeter
 from lrsr.identities.generated.boundaries import Boundaries, learn_boundaries
 from lrsr.identities.generated.generator import Generator
+from lrsr.identities.photographs.choices import PHOTOGRAPHS_VERSION
 from lrsr.identities.photographs.picture_file import frame
 from lrsr.journal import Journal
 from lrsr.paths import user_path
@@ -94,7 +95,7 @@ class Learning:
         measured = neutral.keys() - theirs.keys()
         scores: Scores = {}
         if measured or self.keep:
-            asked = {"generator": generator.describe(), **drawn}
+            asked = {"generator": generator.describe(), **drawn, "version": PHOTOGRAPHS_VERSION}
             journal = Journal(folder / _SAMPLES / "measured.jsonl", asked)
             scores = self._measure(generator, latents, journal, progress=progress)
         record = {"generator": generator.describe(), **drawn, "samples": self.samples}

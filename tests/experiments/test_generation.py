@@ -260,6 +260,7 @@ def test_the_faces_of_a_large_picture_are_in_its_own_px() -> None:
         ("encoder=facenet", "encoder=facenet: wanted one of"),
         ("learning.samples=0", "learning.samples=0: wanted at least 1"),
         ("learning.share=0.6", "learning.share=0.6: wanted above 0"),
+        ("+attributes={a/b: 1}", "attributes=a/b: wanted letters, digits and _"),
         ("attributes.yaw_deg=left", "attributes.yaw_deg=left: wanted a number"),
         ("+variations.yaw_deg=2", "variations.yaw_deg=2: wanted a list"),
         ("filters.most_yaw_deg=-1", "filters.most_yaw_deg=-1.0: wanted 0 or more"),

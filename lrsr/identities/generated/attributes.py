@@ -35,11 +35,7 @@ class AttributeMeter:
         self._raster = cover(surface.uv, surface.faces, _TEXELS)
 
     def __call__(self, photograph: Photograph) -> dict[str, float]:
-        """Measure a face; of light there is NaN where too little skin is seen.
-
-        Raises:
-            InputError: The landmark network cannot take such a picture.
-        """
+        """Measure a face; of light there is NaN where too little skin is seen."""
         found = self._landmarker(photograph.srgb, photograph.five_px)
         fit = shared_fitter()(found.points_px)
         face = place_face(fit.rest)

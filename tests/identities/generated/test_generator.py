@@ -118,6 +118,11 @@ def test_truncation_without_a_mapping_is_refused(tmp_path: Path) -> None:
         made(tmp_path).sample([(0,)], 0.7)
 
 
+def test_latents_of_another_size_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"cannot take an input of \(7,\)"):
+        made(tmp_path).pictures(np.zeros((1, 7), np.float32))
+
+
 def test_rows_that_differ_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     generator = made(tmp_path, mapping=MAPPING, layers=3)
     rows = np.array([[[1.0, 2.0], [1.0, 2.5]]], np.float32)
