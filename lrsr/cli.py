@@ -43,6 +43,7 @@ _COMMANDS = {
     "upscale": "any picture by any upscaler: lrsr upscale FILE|FOLDER... out=DIR sr=srcnn2",
     "identities": "contact sheet, who they are, uniqueness check; export=DIR: meshes",
     "reconstruct": "heads from photographs in images=DIR, for identities.photographs=",
+    "generate": "photographs of people whom a generator=FILE.onnx makes up, for reconstruct",
     "fit-camera": "a camera preset from real pictures in images=DIR",
     "models": "list, pull NAME, add FILE, verify, remove NAME: networks of other people",
 }
@@ -68,6 +69,7 @@ examples:
   lrsr train sr=srcnn4x identities.count=300
   lrsr identities identities.count=1500 identities.sex=female
   lrsr identities export=meshes identities.count=3 pose=left
+  lrsr generate generator=synthesis.onnx out=people count=200
   lrsr reconstruct images=portraits out=heads
   lrsr render identities.photographs=heads pose=left out=probes
   lrsr fit-camera images=probes name=lobby

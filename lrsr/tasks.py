@@ -296,6 +296,24 @@ def run_reconstruct(config: "DictConfig") -> Path:
         return asked.run(folder, _cache(config))
 
 
+def run_generate(config: "DictConfig") -> Path:
+    """Photograph people whom a network makes up; see :mod:`lrsr.experiments.generation`.
+
+    Raises:
+        InputError: A setting is wrong or would not be read, or too few people can be made.
+    """
+    from lrsr.experiments.generation import Generating
+
+    if path_if_any(config.out, "out") is None:
+        raise InputError("out=null: give the folder for the people, e.g. out=people")
+    if config.boundaries is not None:
+        _refuse(("learning", "attributes"), "boundaries=FILE has learned them; leave it")
+    asked = Generating.from_config(config)
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return asked.run(folder)
+
+
 def run_fit_camera(config: "DictConfig") -> Path:
     """Estimate a camera from real pictures; see :mod:`lrsr.calibration.from_pictures`.
 

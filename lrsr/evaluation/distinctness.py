@@ -152,6 +152,22 @@ def draw_distinct(
     return outcome
 
 
+def nearest(row: NDArray[np.floating], others: NDArray[np.floating]) -> tuple[int, float]:
+    """Return who of the others is nearest, and the angle, degrees; 180 if there is nobody.
+
+    Args:
+        row: ``(D,)`` of length 1.
+        others: ``(N, D)`` of length 1, or with a NaN: near to nobody.
+
+    Example:
+        >>> nearest(np.array([0.0, 1.0]), np.array([[0.0, -1.0], [1.0, 0.0]]))
+        (1, 90.0)
+    """
+    cosines = np.nan_to_num(others @ row, nan=-1.0) if len(others) else -np.ones(1)
+    whom = int(np.argmax(cosines))
+    return whom, float(_degrees(cosines[whom]))
+
+
 def _decide(
     indices: Sequence[int], known: Mapping[Drawn, _Floats], angle_deg: float, most: int
 ) -> tuple[Distinct, list[Drawn]]:
@@ -168,7 +184,7 @@ def _decide(
             if (index, draw) not in known:
                 wanted.append((index, draw))
                 break
-            near, distance = _nearest(known[index, draw], accepted[: len(whom)])
+            near, distance = nearest(known[index, draw], accepted[: len(whom)])
             if distance >= angle_deg:
                 break
             tried.append((index, draw, whom[near], distance))
@@ -181,13 +197,6 @@ def _decide(
             accepted[len(whom)] = known[index, draw]
             whom.append(index)
     return Distinct(tuple(draws), tuple(unresolved), tuple(rejected)), wanted
-
-
-def _nearest(row: _Floats, others: _Floats) -> tuple[int, float]:
-    """Return who of the others is nearest, and the angle, degrees; 180 if there is nobody."""
-    cosines = np.nan_to_num(others @ row, nan=-1.0) if len(others) else -np.ones(1)
-    nearest = int(np.argmax(cosines))
-    return nearest, float(_degrees(cosines[nearest]))
 
 
 def _blocks(rows: _Floats) -> Iterator[tuple[int, _Floats]]:

@@ -1,0 +1,69 @@
+"""What has a long run found so far? A line each, so that a kill at any moment loses one at most."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lrsr.errors import InputError
+
+
+@dataclass(frozen=True)
+class Journal:
+    """A file of lines of JSON, for one set of settings.
+
+    Attributes:
+        path: The file; its folder is made with the first line.
+        asked: All that decides about what is noted, in plain values.
+    """
+
+    path: Path
+    asked: Mapping[str, Any]
+
+    def read(self) -> list[dict[str, Any]]:
+        """Return what was noted, in order; a line that a kill cut short is left out.
+
+        Raises:
+            InputError: It was noted under other settings, or the file cannot be read.
+        """
+        try:
+            text = self.path.read_text(encoding="utf-8") if self.path.exists() else ""
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"cannot read {self.path} ({error}): choose another out") from error
+        lines = [line for line in map(_parsed, text.splitlines()) if line is not None]
+        if not lines:
+            return []
+        before, now = lines[0], json.loads(json.dumps(self.asked))
+        for name in now.keys() | before.keys():
+            if before.get(name) != now.get(name):
+                raise InputError(
+                    f"{self.path.parent} holds what another {name} made: choose another out, or"
+                    " remove it"
+                )
+        return lines[1:]
+
+    def note(self, told: Mapping[str, Any]) -> None:
+        """Add a line.
+
+        Raises:
+            InputError: The file cannot be written.
+        """
+        lines = [told] if self.path.exists() else [self.asked, told]
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write("".join(f"\n{json.dumps(line)}" for line in lines))
+        except OSError as error:
+            raise InputError(
+                f"cannot write {self.path}: {error.strerror or error}; free space or choose"
+                " another folder"
+            ) from error
+
+
+def _parsed(line: str) -> dict[str, Any] | None:
+    try:
+        told = json.loads(line)
+    except ValueError:
+        return None
+    return told if isinstance(told, dict) else None
