@@ -12,7 +12,8 @@ from PIL import Image
 from skimage.data import astronaut
 
 from lrsr.errors import InputError
-from lrsr.experiments.reconstruction import Reconstructing, _find_faces
+from lrsr.experiments.intake import Intake, _find_faces
+from lrsr.experiments.reconstruction import Reconstructing
 from lrsr.identities.photographs.person import Photographed
 from lrsr.identities.photographs.quality import Filters, Quality
 from lrsr.pictures.cache import RenderCache
@@ -43,8 +44,10 @@ def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Photographed, "reconstruction", lambda self, _: whole(self, 64))
 
 
-def run(images: Path, out: Path, maker: FakeMaker, **settings: Any) -> list[dict[str, str]]:
-    asked = Reconstructing(images, Filters(least_ipd_px=30.0), **settings)
+def run(
+    images: Path, out: Path, maker: FakeMaker, *, ages: Path | None = None, **settings: Any
+) -> list[dict[str, str]]:
+    asked = Reconstructing(images, Intake(Filters(least_ipd_px=30.0), **settings), ages)
     asked.run(out, RenderCache(out / "cache"), maker=maker, progress=False)
     with (out / "photographs.csv").open(newline="") as file:
         return list(csv.DictReader(file))
@@ -130,7 +133,7 @@ def test_a_wrong_setting_is_named(setting: str, says: str) -> None:
 
 def test_the_configuration_has_every_filter() -> None:
     asked = Reconstructing.from_config(composed("reconstruct", "images=.", "out=x"))
-    assert None not in vars(asked.filters).values()
+    assert None not in vars(asked.intake.filters).values()
 
 
 GOOD = Quality(60.0, 1.0, 2.0, -3.0, 1.0, 1.0, 1.5, 0.8, 40.0, 0.6, 0.1, (0.0, 0.0))

@@ -19,10 +19,10 @@ FIVE = ((205.0, 101.0), (247.0, 103.0), (224.0, 129.0), (202.0, 138.0), (244.0, 
 
 def told(sha256: str, **changes: Any) -> dict[str, Any]:
     usual = {"file": "/nowhere/a.png", "five_px": FIVE, "hair": "none", "expression": "neutral"}
-    return {**usual, "sha256": sha256, **changes}
+    return {**usual, "who": "", "sha256": sha256, **changes}
 
 
-def folder_of(folder: Path, *people: dict[str, Any], version: int = 1) -> str:
+def folder_of(folder: Path, *people: dict[str, Any], version: int = 2) -> str:
     (folder / "people.json").write_text(json.dumps({"format": version, "people": people}))
     return str(folder)
 
@@ -38,6 +38,8 @@ def test_where_the_file_lies_does_not_count() -> None:
     assert here.record() == there.record()
     assert here.id == there.id == "photograph-abababababab"
     assert here.record() != somebody(hair="none").record()
+    named = somebody(who="ann")
+    assert (named.id, named.record(), named.index) == ("ann", here.record(), here.index)
 
 
 def test_a_folder_of_the_command_is_read(tmp_path: Path) -> None:
@@ -70,11 +72,11 @@ def test_choices_that_cannot_be_are_refused(
 @pytest.mark.parametrize(
     ("people", "version", "says"),
     [
-        ([], 1, "nobody there could be reconstructed"),
-        ([told("1" * 64)], 2, "format=2: wanted 1"),
-        ([{"file": "a"}], 1, "is no record of this version"),
-        ([told("1" * 64, hair="wig")], 1, "hair=wig: wanted painted or none"),
-        ([told("1" * 64, expression="angry")], 1, "expression=angry"),
+        ([], 2, "nobody there could be reconstructed"),
+        ([told("1" * 64)], 1, "format=1: wanted 2"),
+        ([{"file": "a"}], 2, "is no record of this version"),
+        ([told("1" * 64, hair="wig")], 2, "hair=wig: wanted painted or none"),
+        ([told("1" * 64, expression="angry")], 2, "expression=angry"),
     ],
 )
 def test_what_is_no_record_is_refused(
