@@ -3,7 +3,7 @@
 import csv
 import io
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
@@ -20,6 +20,7 @@ from lrsr.identities.photographs.person import Photographed, photographed_from
 from lrsr.identities.photographs.picture_file import decode, frame
 from lrsr.paths import path_if_any, user_path
 from lrsr.pictures.cache import RenderCache
+from lrsr.pictures.folder import MANIFEST, read_manifest
 from lrsr.pictures.image_files import SUFFIXES, read_file
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.recipe import digest
@@ -40,7 +41,8 @@ class Reconstructing:
     """Which photographs are reconstructed, and how.
 
     Attributes:
-        images: A folder with all below it, or one picture.
+        images: A folder with all below it, or one picture. Who is on each is what its
+            ``manifest.csv`` says, else the name of the folder that holds it, else of the file.
         intake: How they become people, and which are taken.
         ages: CSV with the columns ``file`` and ``age_years``; who is under 18, or missing there, is
             refused. None: you say that everybody is an adult.
@@ -83,9 +85,7 @@ class Reconstructing:
         young = self._too_young(sources)
         looked: list[Told] = []
         rows: list[Path] = []
-        for told in self.intake.look(
-            dict.fromkeys(sources, ""), cache, refused=young, progress=progress
-        ):
+        for told in self.intake.look(sources, cache, refused=young, progress=progress):
             looked.append(told)
             if not told["why"]:
                 rows.append(_drawn(photographed_from(told), folder / _ROWS, cache, maker))
@@ -97,27 +97,30 @@ class Reconstructing:
         logger.info("%s", counted(looked))
         return folder
 
-    def _sources(self) -> list[Path]:
-        """Return the pictures.
+    def _sources(self) -> dict[Path, str]:
+        """Return the pictures, and who is on each: as any folder of photographs says it.
 
         Raises:
-            InputError: There are none.
+            InputError: There are none, or the manifest cannot be used.
         """
-        if self.images.is_file():
-            return [self.images]
+        root = self.images
+        if root.is_file():
+            return {root: root.stem}
+        if (root / MANIFEST).exists():
+            return {root / one.file: one.identity_id for one in read_manifest(root)}
         found = [
             file
-            for file in sorted(self.images.rglob("*"))
+            for file in sorted(root.rglob("*"))
             if file.is_file()
             and file.suffix.lower() in SUFFIXES
-            and not any(part.startswith(".") for part in file.relative_to(self.images).parts)
+            and not any(part.startswith(".") for part in file.relative_to(root).parts)
         ]
         kinds = ", ".join(suffix[1:] for suffix in SUFFIXES)
         wish = f"a folder with pictures in it ({kinds})"
-        require(bool(found), "images", self.images, wish)
-        return found
+        require(bool(found), "images", root, wish)
+        return {file: file.stem if file.parent == root else file.parent.name for file in found}
 
-    def _too_young(self, sources: Sequence[Path]) -> dict[Path, str]:
+    def _too_young(self, sources: Iterable[Path]) -> dict[Path, str]:
         """Return whose age refuses them, and why.
 
         Raises:

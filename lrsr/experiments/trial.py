@@ -169,8 +169,8 @@ class Trial:
         """
         if "gallery" in self._given:
             return self._given["gallery"]
-        if self.design.people.gallery == "photograph":
-            return enrolled_photographs(self.design.people.people())
+        if (enrolled := self.design.people.enrolled) is not None:
+            return enrolled_photographs(enrolled)
         sitting = self.design.gallery
         if skin is not None:
             sitting = replace(sitting, quality=replace(sitting.quality, skin=skin))

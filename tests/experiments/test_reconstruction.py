@@ -1,5 +1,6 @@
 import csv
 import json
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from fakes.configurations import composed
 from fakes.maker import FakeMaker
+from fakes.sets import write_face
 from PIL import Image
 from skimage.data import astronaut
 
@@ -114,6 +116,19 @@ def test_ages_that_cannot_be_read_are_refused(
         ages.write_text(text)
     with pytest.raises(InputError, match=says):
         run(folder, tmp_path, FakeMaker(), ages=ages)
+
+
+@pytest.mark.parametrize("manifest", [False, True])
+def test_who_is_who_is_told_as_by_any_folder_of_photographs(tmp_path: Path, manifest: bool) -> None:
+    images = tmp_path / "images"
+    for place in ("alone.png", "ann/1.png", "ann/2.png", "deep/kim/1.png"):
+        write_face(images / place, len(place), 96)
+    names = {"alone": 1, "ann": 2, "kim": 1}
+    if manifest:
+        (images / "manifest.csv").write_text("file,identity_id\nann/1.png,eve\nalone.png,eve\n")
+        names = {"eve": 2}
+    sources = Reconstructing(images, Intake())._sources()
+    assert Counter(sources.values()) == names
 
 
 def test_a_folder_without_pictures_is_refused(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ names these people to any command. The pictures stay where they are and must not
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 RECORD = "people.json"
 FORMAT = 2
+HALVES = ("development", "test")
 _WORN = ("name", "day", "glasses", "cap", "face_mask")
 """What another day can bring to a photographed person."""
 
@@ -46,6 +47,7 @@ class Photographed:
         hair: "painted" or "none".
         expression: The "photograph"'s or "neutral".
         who: Their name; empty: they are called after the picture.
+        others: Further photographs of the same person.
     """
 
     file: str
@@ -54,6 +56,7 @@ class Photographed:
     hair: Hair = "painted"
     expression: Kept = "photograph"
     who: str = ""
+    others: "tuple[Photographed, ...]" = ()
 
     split = "photograph"
     """Of no split: nobody was drawn."""
@@ -69,6 +72,16 @@ class Photographed:
             'photograph-0123456789ab'
         """
         return self.who or f"{self.split}-{self.sha256[:12]}"
+
+    @property
+    def half(self) -> str:
+        """Of all people "development" or "test", by their name: a picture more changes nothing.
+
+        Example:
+            >>> [Photographed("a.png", "", (), who=name).half for name in ("ann", "kim")]
+            ['test', 'development']
+        """
+        return HALVES[hashlib.sha256(self.id.encode()).digest()[0] % 2]
 
     @property
     def index(self) -> int:
@@ -151,6 +164,8 @@ def _reconstructed(person: Photographed, texture_size: int) -> "Reconstruction":
 def read_photographed(folder: Path) -> tuple[Photographed, ...]:
     """Read who of a folder of ``lrsr reconstruct`` can be made, in order.
 
+    The first photograph of a person makes the head; the others are beside it.
+
     Args:
         folder: With ``people.json``.
 
@@ -165,14 +180,17 @@ def read_photographed(folder: Path) -> tuple[Photographed, ...]:
         raise InputError(f"identities.photographs={folder}: no {RECORD} there; {remedy}") from error
     try:
         require(content["format"] == FORMAT, f"{path} format", content["format"], str(FORMAT))
-        found = tuple(photographed_from(one) for one in content["people"])
+        taken = [photographed_from(one) for one in content["people"]]
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path} is no record of this version: run lrsr reconstruct again") from (
             error
         )
-    if not found:
+    if not taken:
         raise InputError(f"identities.photographs={folder}: nobody there could be reconstructed")
-    return found
+    people: dict[str, list[Photographed]] = {}
+    for one in taken:
+        people.setdefault(one.id, []).append(one)
+    return tuple(replace(first, others=tuple(more)) for first, *more in people.values())
 
 
 def photographed_from(told: Mapping[str, Any]) -> Photographed:

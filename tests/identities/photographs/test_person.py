@@ -51,20 +51,64 @@ def test_a_folder_of_the_command_is_read(tmp_path: Path) -> None:
     assert chosen.people()[0].record()["hair"] == "none"
 
 
+def test_several_photographs_of_one_person_are_one_identity(tmp_path: Path) -> None:
+    shown = [("ann", "1"), ("kim", "2"), ("ann", "3"), ("ann", "4")]
+    given = folder_of(tmp_path, *(told(digit * 64, who=who) for who, digit in shown))
+    ann, kim = read_photographed(tmp_path)
+    assert (ann.id, ann.sha256[0], kim.id, kim.others) == ("ann", "1", "kim", ())
+    assert [one.sha256[0] for one in ann.others] == ["3", "4"]
+    assert ann.record() == somebody(sha256="1" * 64, hair="none", expression="neutral").record()
+    everybody = IdentityRange(photographs=given)
+    assert (everybody.count, everybody.enrolled) == (2, None)
+    assert IdentityRange(photographs=given, gallery="photograph").enrolled == [ann, kim]
+
+
+def test_who_has_another_photograph_can_be_enrolled_by_it(tmp_path: Path) -> None:
+    shown = [("kim", "2"), ("ann", "1"), ("ann", "3")]
+    given = folder_of(tmp_path, *(told(digit * 64, who=who) for who, digit in shown))
+    chosen = IdentityRange(photographs=given, gallery="other_photograph")
+    (head,), (enrolled,) = chosen.people(), chosen.enrolled or []
+    assert (head.id, enrolled.id, chosen.count) == ("ann", "ann", 1)
+    assert (head.record()["photograph"][0], enrolled.sha256[0]) == ("1", "3")
+
+
+def test_the_halves_share_nobody_and_miss_nobody(tmp_path: Path) -> None:
+    names = [f"person {number}" for number in range(40)]
+    given = folder_of(
+        tmp_path,
+        *(told(f"{number:064x}", who=who) for number, who in enumerate(names)),
+        *(told(f"{number + 99:064x}", who=who) for number, who in enumerate(names)),
+    )
+    halves = [
+        {one.id for one in IdentityRange(photographs=given, part=part).people()}
+        for part in ("development", "test")
+    ]
+    assert not halves[0] & halves[1]
+    assert halves[0] | halves[1] == {*names}
+    assert min(map(len, halves)) > 10
+
+
 @pytest.mark.parametrize(
     ("settings", "says"),
     [
         ({"start": 1}, "identities.start=1: wanted 0 to 0"),
         ({"sex": "female"}, "people on photographs are who they are"),
         ({"roster": "r.json"}, "identities.roster=r.json: wanted no such choice"),
-        ({"gallery": "film"}, "identities.gallery=film: wanted one of render, photograph"),
+        ({"gallery": "film"}, "identities.gallery=film: wanted one of render, photograph, other"),
         ({"photographs": None, "gallery": "photograph"}, "or identities.photographs=FOLDER"),
+        (
+            {"photographs": None, "part": "test"},
+            "identities.part=test: wanted all: identities.split",
+        ),
+        ({"part": "half"}, "identities.part=half: wanted one of all, development, test"),
+        ({"part": "development"}, "wanted all: of 1 nobody is in it"),
+        ({"gallery": "other_photograph"}, "of 1 people nobody has another one"),
     ],
 )
 def test_choices_that_cannot_be_are_refused(
     tmp_path: Path, settings: dict[str, Any], says: str
 ) -> None:
-    given = {"photographs": folder_of(tmp_path, told("1" * 64)), **settings}
+    given = {"photographs": folder_of(tmp_path, told("1" * 64, who="ann")), **settings}
     with pytest.raises(InputError, match=says):
         IdentityRange(**given)
 
