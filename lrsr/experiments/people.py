@@ -39,11 +39,18 @@ _SHEET = 60
 """People on the contact sheet at most: the first ones, not chosen."""
 _PICTURES = "gallery"
 
+_REDRAWN = (
+    "Each person is the first of their draws that is far enough from everybody before them, so a "
+    "person stays the same however many follow."
+)
+_OTHERS = (
+    "People of other splits were not compared with these: they cannot share a seed, but could look "
+    "alike."
+)
 _DONE = (
     "Every picture is a gallery picture: frontal pose and light, not compressed, rendered by "
     "Mitsuba.",
-    "Each person is the first of their draws that is far enough from everybody before them, so a "
-    "person stays the same however many follow.",
+    _REDRAWN,
     "Faces were cut out by the renderer's true landmarks: nobody was missed by a detector.",
 )
 _NOT_DONE = (
@@ -51,15 +58,20 @@ _NOT_DONE = (
     "and lights is the question of lrsr eval.",
     "The angle is that of one network, and shared light, camera and renderer make all pictures "
     "alike to it: read it against real photographs under one light, not against an album.",
-    "People of other splits were not compared with these: they cannot share a seed, but could look "
-    "alike.",
+    _OTHERS,
 )
+_OF_DRAWN = (_REDRAWN, _OTHERS)
 
 logger = logging.getLogger(__name__)
 
 
 class Uniqueness(UniquenessSettings):
-    """Redraws look-alikes, and shows who is left."""
+    """Redraws look-alikes, and shows who is left; of photographed people it tells who is alike."""
+
+    @property
+    def photographed(self) -> bool:
+        """Whether they are people on photographs, who are not drawn again."""
+        return self.gallery.people.photographs is not None
 
     def run(
         self,
@@ -70,6 +82,8 @@ class Uniqueness(UniquenessSettings):
         progress: bool = True,
     ) -> Path:
         """Write roster, pictures with their manifest, figures and report into ``folder``.
+
+        There is no roster of photographed people.
 
         Stopped at any moment, the same call goes on: what was rendered is in the cache.
 
@@ -86,8 +100,9 @@ class Uniqueness(UniquenessSettings):
         encoder = load_encoder(self.encoder, self.model, device=self.device)
         gallery = Gallery(self, cache, encoder, maker, progress=progress)
         findings = find_distinct(self, gallery)
-        roster = make_roster(self, findings, maker.versions["identities"])
-        write_roster(folder / "roster.json", roster)
+        if not self.photographed:
+            roster = make_roster(self, findings, maker.versions["identities"])
+            write_roster(folder / "roster.json", roster)
         portraits = _write_pictures(folder, gallery, findings)
         results = {
             **summary(findings),
@@ -100,14 +115,16 @@ class Uniqueness(UniquenessSettings):
         write_json(folder / "results.json", results)
         write_json(folder / "distribution.json", results["distribution"])
         figures = _write_figures(folder, self, findings, portraits)
-        said = [*_answer(self, findings), _gate_sentence(results["gate"])]
-        _write_page(folder, results, findings, portraits, figures, said)
+        gate = [] if self.photographed else [_gate_sentence(results["gate"])]
+        said = [*_answer(self, findings), *gate]
+        untrue = _OF_DRAWN if self.photographed else ()
+        _write_page(folder, results, findings, portraits, figures, said, untrue)
         for sentence in said:
             logger.info("%s", sentence)
         return folder
 
 
-def _answer(settings: UniquenessSettings, findings: Findings) -> list[str]:
+def _answer(settings: Uniqueness, findings: Findings) -> list[str]:
     """Return what was found, in sentences."""
     angles, outcome = summarise(findings.angles_deg), findings.outcome
     people, least = len(findings.drawn), f"{settings.smallest_angle_deg:g}°"
@@ -118,6 +135,8 @@ def _answer(settings: UniquenessSettings, findings: Findings) -> list[str]:
         f"{people} people, {angles['pairs']:,} pairs: the nearest two are {angles['min']:.1f}°"
         f" apart, the median is {angles['median']:.1f}° ({settings.encoder} encoder)."
     ]
+    if settings.photographed:
+        return [*sentences, _one_person(findings, settings.smallest_angle_deg)]
     if settings.smallest_angle_deg == 0:
         sentences.append("Nobody was redrawn, as no smallest angle was asked for.")
     elif outcome.unresolved:
@@ -130,6 +149,18 @@ def _answer(settings: UniquenessSettings, findings: Findings) -> list[str]:
         done = "nobody had to be redrawn" if redrawn == 0 else f"{redrawn} redrawn for that"
         sentences.append(f"Everybody is at least {least} from everybody else; {done}.")
     return sentences
+
+
+def _one_person(findings: Findings, least_deg: float) -> str:
+    """Say which photographed people look like one person under two names."""
+    near = [
+        " and ".join(findings.names[findings.drawn[k]] for k in (pair.first, pair.second))
+        for pair in findings.pairs
+        if pair.angle_deg < least_deg
+    ]
+    if not near:
+        return f"Nobody is nearer than {least_deg:g}° to another."
+    return f"Nearer than {least_deg:g}°, so perhaps one person by two names: {'; '.join(near)}."
 
 
 def _gate_sentence(gate: Mapping[str, Any]) -> str:
@@ -211,6 +242,7 @@ def _write_page(
     portraits: Mapping[Drawn, Picture],
     figures: Mapping[str, str],
     said: Sequence[str],
+    untrue: Sequence[str],
 ) -> None:
     """Write the page; its pictures are halved, so that its size can be borne."""
     small = {
@@ -233,8 +265,8 @@ def _write_page(
             ]
             for pair in findings.pairs
         ],
-        done=_DONE,
-        not_done=_NOT_DONE,
+        done=[one for one in _DONE if one not in untrue],
+        not_done=[one for one in _NOT_DONE if one not in untrue],
         settings={**results["config"], "recognition": results["encoder"]},
         versions=results["versions"],
         seed=results["config"]["seed"],

@@ -1,6 +1,6 @@
 """A verification experiment under way: rendered, photographed, enlarged, embedded and scored."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -88,6 +88,25 @@ class _Enrolled(NamedTuple):
     shown: Sequence[Picture]
 
 
+def known_landmarks(
+    given: Iterable[Photographs], asked: tuple[Landmarks, ...]
+) -> tuple[Landmarks, ...]:
+    """Return the sources of landmarks that were asked for and are there for photographs.
+
+    Raises:
+        InputError: True ones alone are asked for, and nobody knows any.
+    """
+    for photographs in given:
+        if all(entry.landmarks_px is None for entry in photographs.entries):
+            if asked == ("shared",):
+                raise InputError(
+                    f"recognition.landmarks=shared: no picture in {photographs.root} has"
+                    " landmarks_px; give recognition.landmarks=own"
+                )
+            return ("own",)
+    return asked
+
+
 @dataclass(frozen=True)
 class Trial:
     """A verification experiment under way.
@@ -150,8 +169,8 @@ class Trial:
         """
         if "gallery" in self._given:
             return self._given["gallery"]
-        if self.design.people.gallery == "photograph":
-            return enrolled_photographs(self.design.people.people())
+        if (enrolled := self.design.people.enrolled) is not None:
+            return enrolled_photographs(enrolled)
         sitting = self.design.gallery
         if skin is not None:
             sitting = replace(sitting, quality=replace(sitting.quality, skin=skin))
@@ -216,16 +235,7 @@ class Trial:
         Raises:
             InputError: True ones alone are asked for, and nobody knows any.
         """
-        asked = self.design.recognition.landmarks
-        for photographs in self._given.values():
-            if all(entry.landmarks_px is None for entry in photographs.entries):
-                if asked == ("shared",):
-                    raise InputError(
-                        f"recognition.landmarks=shared: no picture in {photographs.root} has"
-                        " landmarks_px; give recognition.landmarks=own"
-                    )
-                return ("own",)
-        return asked
+        return known_landmarks(self._given.values(), self.design.recognition.landmarks)
 
     def _nothing_seen(self, detector: str | None) -> Seen:
         return Seen(self.landmarks, self.finders[detector] if "own" in self.landmarks else None)

@@ -24,7 +24,7 @@ from lrsr.evaluation.distinctness import (
     pairwise_angles_deg,
     summarise,
 )
-from lrsr.identities.person import Traits
+from lrsr.identities.person import Person, Traits
 from lrsr.identities.roster import Roster
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
@@ -134,7 +134,9 @@ class Gallery:
         """Return what somebody is rendered as; the same as the gallery of ``lrsr eval``."""
         (index, redraw), sitting = drawn, self.settings.gallery
         person = sitting.people.person(index)
-        return sitting.recipe(replace(person, draw=person.draw + redraw))
+        if isinstance(person, Person):
+            person = replace(person, draw=person.draw + redraw)
+        return sitting.recipe(person)
 
     def source(self, drawn: Sequence[Drawn]) -> Rendered:
         """Return the pictures of people."""
@@ -192,14 +194,12 @@ def find_distinct(settings: UniquenessSettings, gallery: Gallery) -> Findings:
         InputError: The cache cannot be read or written.
     """
     people = settings.gallery.people
-    wish = "null: people on photographs are not drawn again"
-    require(people.photographs is None, "identities.photographs", people.photographs, wish)
     indices = range(people.start, people.start + people.count)
     outcome = draw_distinct(
         indices,
         gallery.embed,
         smallest_angle_deg=settings.smallest_angle_deg,
-        most_redraws=settings.most_redraws,
+        most_redraws=settings.most_redraws if people.photographs is None else 0,
     )
     drawn = tuple(zip(indices, outcome.draws, strict=True))
     rows, firsts = (

@@ -6,6 +6,7 @@ experiment runs on people who were checked to be different from one another.
 
 import hashlib
 import json
+import logging
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -16,7 +17,7 @@ from lrsr.configuration import require
 from lrsr.errors import InputError
 from lrsr.files import write_json
 from lrsr.identities.person import Person
-from lrsr.identities.photographs.person import Photographed, Somebody, read_photographed
+from lrsr.identities.photographs.person import HALVES, Photographed, Somebody, read_photographed
 from lrsr.identities.population import (
     ANCESTRIES,
     EVERYBODY,
@@ -29,7 +30,10 @@ from lrsr.identities.splits import LARGEST_INDEX, SPLITS, Split
 
 _FORMAT = 1
 
-_GALLERIES = ("render", "photograph")
+logger = logging.getLogger(__name__)
+
+_GALLERIES = ("render", "photograph", "other_photograph")
+_PARTS = ("all", *HALVES)
 
 _MOST_PEOPLE = 10**6
 """Of one command."""
@@ -142,7 +146,9 @@ class IdentityRange:
         roster: Path of a roster; None: nobody was redrawn.
         photographs: Folder of ``lrsr reconstruct``: the people on its photographs take part, from
             number ``start`` on and at most ``count``, whatever the split; None: people are drawn.
-        gallery: How they are enrolled in an experiment: "render", or the "photograph" itself.
+        part: Of them "all", or one half, "development" or "test", by the hash of their names.
+        gallery: How they are enrolled in an experiment: "render", the "photograph" itself, or by
+            an "other_photograph" of the same person; then those take part who have one.
 
     Raises:
         InputError: A number is out of its range, there is no such split or population, or the
@@ -157,6 +163,7 @@ class IdentityRange:
     age_years: tuple[float, float] = (YOUNGEST_YEARS, OLDEST_YEARS)
     roster: str | None = None
     photographs: str | None = None
+    part: str = "all"
     gallery: str = "render"
 
     def __post_init__(self) -> None:
@@ -171,11 +178,14 @@ class IdentityRange:
         require(0 <= self.start <= last, "identities.start", self.start, f"0 to {last}")
         known = f"one of {', '.join(_GALLERIES)}"
         require(self.gallery in _GALLERIES, "identities.gallery", self.gallery, known)
+        require(self.part in _PARTS, "identities.part", self.part, f"one of {', '.join(_PARTS)}")
         if self.photographs is not None:
             self._check_photographs()
             return
         wish = "render, or identities.photographs=FOLDER beside it"
         require(self.gallery == "render", "identities.gallery", self.gallery, wish)
+        wish = "all: identities.split parts drawn people"
+        require(self.part == "all", "identities.part", self.part, wish)
         roster = self.cast.roster
         if roster is not None:
             wanted = f"{roster.split}, as the roster's"
@@ -200,7 +210,30 @@ class IdentityRange:
 
     @cached_property
     def _photographed(self) -> tuple[Photographed, ...]:
-        return read_photographed(Path(str(self.photographs)).expanduser().resolve())
+        """Who of the folder can take part.
+
+        Raises:
+            InputError: The folder is none of ours, or nobody can.
+        """
+        found = read_photographed(Path(str(self.photographs)).expanduser().resolve())
+        there = tuple(one for one in found if self.part in ("all", one.half))
+        require(bool(there), "identities.part", self.part, f"all: of {len(found)} nobody is in it")
+        if self.gallery != "other_photograph":
+            return there
+        chosen = tuple(one for one in there if one.others)
+        wish = f"render or photograph: of {len(there)} people nobody has another one"
+        require(bool(chosen), "identities.gallery", self.gallery, wish)
+        if len(chosen) < len(there):
+            logger.warning("%d of %d people have another photograph", len(chosen), len(there))
+        return chosen
+
+    @property
+    def enrolled(self) -> list[Photographed] | None:
+        """The photographs that people are enrolled by, in order; None: they are rendered."""
+        if self.gallery == "render":
+            return None
+        people = self._photographed[self.start : self.start + self.count]
+        return [one.others[0] if self.gallery == "other_photograph" else one for one in people]
 
     @cached_property
     def cast(self) -> Cast:
@@ -210,14 +243,14 @@ class IdentityRange:
             return Cast(population)
         return Cast(population, _read_roster(Path(self.roster).expanduser()))
 
-    def person(self, index: int) -> Person:
-        """Return somebody who is drawn, by the number within the split."""
+    def person(self, index: int) -> Somebody:
+        """Return somebody by the number within the split, or the folder of photographs."""
+        if self.photographs is not None:
+            return self._photographed[index]
         return self.cast.person(cast("Split", self.split), index)
 
     def people(self) -> list[Somebody]:
         """Return everyone, in order."""
-        if self.photographs is not None:
-            return list(self._photographed[self.start : self.start + self.count])
         return [self.person(index) for index in range(self.start, self.start + self.count)]
 
 

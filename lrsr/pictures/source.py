@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lrsr.camera import Camera
 from lrsr.errors import InputError
-from lrsr.identities.photographs.person import Photographed, Somebody
+from lrsr.identities.photographs.person import Photographed
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.folder import Entry, read_folder, read_picture
 from lrsr.pictures.maker import Maker
@@ -158,12 +158,8 @@ def references_of(probes: Photographs, scale: int) -> Photographs | None:
     return Photographs(probes.root, [seen[_scene(entry)] for entry in probes.entries])
 
 
-def enrolled_photographs(people: Sequence[Somebody]) -> Photographs:
-    """Return the very photographs that people were reconstructed from.
-
-    Args:
-        people: Photographed ones; others have none.
-    """
+def enrolled_photographs(photographed: Sequence[Photographed]) -> Photographs:
+    """Return the very photographs of people, who may be rendered from them or from others."""
     entries = [
         Entry(
             file=person.file,
@@ -171,8 +167,7 @@ def enrolled_photographs(people: Sequence[Somebody]) -> Photographs:
             kind="gallery",
             landmarks_px=tuple(number for point in person.five_px for number in point),
         )
-        for person in people
-        if isinstance(person, Photographed)
+        for person in photographed
     ]
     return Photographs(Path("/"), entries)
 

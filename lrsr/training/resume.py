@@ -27,6 +27,8 @@ _IRRELEVANT = (
     "resume",
     "trainer.log_every_n_steps",
 )
+_AS_EVER = (("identities.photographs", None), ("identities.part", "all"))
+"""As in runs of before there were such settings."""
 _PRODUCTS = ("last.ckpt", "best.ckpt", "model.onnx", "model.toml", "model.safetensors")
 _LENGTH = "trainer.max_epochs"
 _LONGEST = 60
@@ -39,7 +41,7 @@ def what_matters(config: Mapping[str, Any]) -> dict[str, Any]:
         config: The whole configuration in plain values, resolved.
 
     Example:
-        >>> what_matters({"seed": 0, "paths": {"run": "x"}, "trainer": {"max_epochs": 4}})
+        >>> what_matters({"seed": 0, "identities": {"part": "all"}, "trainer": {"max_epochs": 4}})
         {'seed': 0, 'trainer.max_epochs': 4}
     """
     flat = dict(_flat(config))
@@ -48,7 +50,7 @@ def what_matters(config: Mapping[str, Any]) -> dict[str, Any]:
     return {
         name: value
         for name, value in flat.items()
-        if (name, value) != ("identities.photographs", None)  # as before there were any
+        if (name, value) not in _AS_EVER
         and not any(name == other or name.startswith(f"{other}.") for other in _IRRELEVANT)
     }
 

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from fakes.painted import PaintedMaker
 from fakes.twins import TwinMaker, gate
 from matplotlib.image import imread
 
@@ -65,6 +66,30 @@ def run(
 def folder(tmp_path_factory: pytest.TempPathFactory, tone_model: Path) -> Path:
     """Of a run in which person 4 was redrawn and person 6 could not be told from person 1."""
     return run(tmp_path_factory.mktemp("people"), tone_model)
+
+
+def test_photographed_people_are_compared_and_not_drawn_again(
+    tmp_path: Path, tone_model: Path
+) -> None:
+    looks = {"ann": 1, "kim": 2, "eve": 3, "mia": 2}
+    told = {"file": "a.png", "five_px": [[0, 0]] * 5, "hair": "none", "expression": "neutral"}
+    people = [
+        told | {"who": who, "sha256": f"{look:09x}{who.encode().hex():0>55}"}
+        for who, look in looks.items()
+    ]
+    (tmp_path / "people.json").write_text(json.dumps({"format": 2, "people": people}))
+    gallery = enrolled(IdentityRange(photographs=str(tmp_path)))
+    place = run(tmp_path, tone_model, PaintedMaker(), gallery=gallery)
+    results = json.loads((place / "results.json").read_text())
+    assert (results["people"], results["angles_deg"]["pairs"]) == (4, 6)
+    nearest = results["nearest_pairs"][0]
+    assert (nearest["first"], nearest["second"]) == ("kim", "mia")
+    assert nearest["angle_deg"] < 1
+    assert results["unresolved"] == ["mia"]
+    assert not (place / "roster.json").exists()
+    page = html.unescape((place / "report.html").read_text())
+    assert "Nearer than 20°, so perhaps one person by two names: kim and mia." in page
+    assert "drawn again" not in page
 
 
 class Resumed(NamedTuple):

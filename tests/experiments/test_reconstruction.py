@@ -1,5 +1,6 @@
 import csv
 import json
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -8,11 +9,13 @@ import numpy as np
 import pytest
 from fakes.configurations import composed
 from fakes.maker import FakeMaker
+from fakes.sets import write_face
 from PIL import Image
 from skimage.data import astronaut
 
 from lrsr.errors import InputError
-from lrsr.experiments.reconstruction import Reconstructing, _find_faces
+from lrsr.experiments.intake import Intake, _find_faces
+from lrsr.experiments.reconstruction import Reconstructing
 from lrsr.identities.photographs.person import Photographed
 from lrsr.identities.photographs.quality import Filters, Quality
 from lrsr.pictures.cache import RenderCache
@@ -43,8 +46,10 @@ def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Photographed, "reconstruction", lambda self, _: whole(self, 64))
 
 
-def run(images: Path, out: Path, maker: FakeMaker, **settings: Any) -> list[dict[str, str]]:
-    asked = Reconstructing(images, Filters(least_ipd_px=30.0), **settings)
+def run(
+    images: Path, out: Path, maker: FakeMaker, *, ages: Path | None = None, **settings: Any
+) -> list[dict[str, str]]:
+    asked = Reconstructing(images, Intake(Filters(least_ipd_px=30.0), **settings), ages)
     asked.run(out, RenderCache(out / "cache"), maker=maker, progress=False)
     with (out / "photographs.csv").open(newline="") as file:
         return list(csv.DictReader(file))
@@ -113,6 +118,19 @@ def test_ages_that_cannot_be_read_are_refused(
         run(folder, tmp_path, FakeMaker(), ages=ages)
 
 
+@pytest.mark.parametrize("manifest", [False, True])
+def test_who_is_who_is_told_as_by_any_folder_of_photographs(tmp_path: Path, manifest: bool) -> None:
+    images = tmp_path / "images"
+    for place in ("alone.png", "ann/1.png", "ann/2.png", "deep/kim/1.png"):
+        write_face(images / place, len(place), 96)
+    names = {"alone": 1, "ann": 2, "kim": 1}
+    if manifest:
+        (images / "manifest.csv").write_text("file,identity_id\nann/1.png,eve\nalone.png,eve\n")
+        names = {"eve": 2}
+    sources = Reconstructing(images, Intake())._sources()
+    assert Counter(sources.values()) == names
+
+
 def test_a_folder_without_pictures_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a folder with pictures in it"):
         run(tmp_path, tmp_path / "out", FakeMaker())
@@ -130,7 +148,7 @@ def test_a_wrong_setting_is_named(setting: str, says: str) -> None:
 
 def test_the_configuration_has_every_filter() -> None:
     asked = Reconstructing.from_config(composed("reconstruct", "images=.", "out=x"))
-    assert None not in vars(asked.filters).values()
+    assert None not in vars(asked.intake.filters).values()
 
 
 GOOD = Quality(60.0, 1.0, 2.0, -3.0, 1.0, 1.0, 1.5, 0.8, 40.0, 0.6, 0.1, (0.0, 0.0))

@@ -1,12 +1,15 @@
 """Tests of lrsr/experiments/scface_study.py, on a made-up copy and painted people."""
 
+import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from fakes.configurations import composed
 from fakes.painted import PaintedMaker
+from fakes.reconstructions import pretended
 from fakes.sets import write_scface
 
 from lrsr.errors import InputError
@@ -40,40 +43,57 @@ def both(
     folder = tmp_path_factory.mktemp("both")
     root = write_scface(folder / "set", range(1, 11))
     words = (f"scface.root={root}", "scface.mugshots=[original]", *ONE, *SIDES)
-    return run(folder, tone_model, *words)
+    with pretended(glasses="003_frontal"):
+        found = run(folder, tone_model, *words)
+    with (folder / "heads" / "photographs.csv").open(newline="") as file:
+        found[0]["photographs"] = list(csv.DictReader(file))
+    return found
 
 
 REAL = "SCface cam1, 4.2 m, original mugshots"
+SYN = "SCFace Syn scface_cam1, original mugshots"
 MADE = "Recreated scface_cam1"
 
 
 def test_real_and_recreated_cameras_have_the_same_rows(both: tuple[dict[str, Any], str]) -> None:
     rows = both[0]["rows"]
-    assert [row["setting"] for row in rows] == [REAL] * 3 + [MADE] * 3
-    assert [row["option"] for row in rows[::3]] == [1, 2]
-    assert [row["n_genuine"] for row in rows[::3]] == [10, 8]
-    assert [row["n_impostor"] for row in rows[::3]] == [90, 56]
-    assert [row["ipd_px"] for row in rows[::3]] == [10, 13]  # annotated, and asked for
-    assert [row["psnr_y_db"] is None for row in rows[1::3]] == [True, False]
+    assert [row["setting"] for row in rows] == [REAL] * 3 + [SYN] * 3 + [MADE] * 3
+    assert [row["option"] for row in rows[::3]] == [1, 2, 3]
+    assert [row["n_genuine"] for row in rows[::3]] == [10, 9, 8]
+    assert [row["n_impostor"] for row in rows[::3]] == [90, 9 * 9, 56]
+    assert [row["ipd_px"] for row in rows[::3]] == [10, 13, 13]  # annotated, and asked for
+    assert [row["psnr_y_db"] is None for row in rows[1::3]] == [True, False, False]
+    assert [row["camera"] for row in rows[::3]] == ["", "scface_cam1", "scface_cam1"]
     tests = both[0]["comparisons"]
-    assert [test["setting"] for test in tests] == [REAL] * 3 + [MADE] * 3
+    assert [test["setting"] for test in tests] == [REAL] * 3 + [SYN] * 3 + [MADE] * 3
+
+
+def test_who_cannot_become_a_head_is_counted_and_told(both: tuple[dict[str, Any], str]) -> None:
+    results, page = both
+    count = "10 photographs: 9 reconstructed, 1 refused, glasses 1"
+    assert count in page
+    assert results["config"]["heads"]["mugshots"] == count
+    assert results["config"]["heads"]["filters"]["most_bridge_edge"] == 100
+    refused = {one["who"]: one["filter"] for one in results["photographs"] if one["why"]}
+    assert refused == {"003": "glasses"}
 
 
 def test_a_threshold_is_judged_on_the_people_that_were_named(
     both: tuple[dict[str, Any], str],
 ) -> None:
     found = both[0]["transfers"]
-    assert len(found) == 2 * 3 * 2  # parts, methods, at EER and at an FMR
+    assert len(found) == 3 * 3 * 2  # parts, methods, at EER and at an FMR
     for record in found:
-        people = 4
-        assert record["n_genuine"] == people
-        assert record["n_impostor"] == record["development_impostor"] == people * (people - 1)
+        probes = 3 if record["setting"] == SYN else 4  # person 3 is no head, but enrolled
+        assert record["n_genuine"] == 4
+        assert record["development_impostor"] == probes * 3
+        assert record["n_impostor"] == 4 * 3
         assert record["hter"] == pytest.approx((record["far"] + record["frr"]) / 2)
 
 
 def test_what_each_part_was_is_recorded(both: tuple[dict[str, Any], str]) -> None:
     told = both[0]["config"]["parts"]
-    assert [part["name"] for part in told.values()] == [REAL, MADE]
+    assert [part["name"] for part in told.values()] == [REAL, SYN, MADE]
     assert told["1"] == {
         "name": REAL,
         "probe_pictures": 10,
@@ -81,16 +101,19 @@ def test_what_each_part_was_is_recorded(both: tuple[dict[str, Any], str]) -> Non
         "development_people": 4,
         "evaluation_people": 4,
     }
+    assert told["2"] == {key: told["1"][key] for key in told["1"] if key != "probe_pictures"} | {
+        "name": SYN
+    }
 
 
 def test_the_report_tells_of_both_and_shows_no_face_of_the_set(
     both: tuple[dict[str, Any], str],
 ) -> None:
     results, page = both
-    for words in (REAL, MADE, "A threshold set on other people", "Kendall", "SCFace Syn"):
+    for words in (REAL, MADE, "A threshold set on other people", "Kendall", SYN):
         assert words in page
     assert page.count("<h3>Faces</h3>") == 1
-    assert [one["methods"] for one in results["agreements"]] == [3]
+    assert [one["recreated"] for one in results["agreements"]] == [SYN, MADE]
     assert "scface.org" not in page
 
 
@@ -102,6 +125,16 @@ def test_without_a_copy_it_says_where_to_ask_and_does_the_rest(
     assert "ask for SCface at scface.org, then give scface.root=DIR" in caplog.text
     assert "ask for SCface at scface.org" in page
     assert "agreements" not in results
+
+
+def test_heads_can_be_left_out_and_a_single_one_is_too_few(tmp_path: Path) -> None:
+    root = write_scface(tmp_path / "set", [1, 2])
+    asked = study(f"scface.root={root}", "scface.mugshots=[original]", *ONE, "heads=null")
+    assert [part.name for part in asked.parts()] == [REAL, MADE]
+    assert asked.sentences()[1][0] == "SCFace Syn, heads made from the mugshots: heads=null."
+    alone = ({"filter": "", "why": ""}, {"filter": "face", "why": "no face found"})
+    told = replace(study(f"scface.root={root}", *ONE), looked=alone).sentences()[1][0]
+    assert "too few of them could be made, of 2 photographs: 1 reconstructed, 1 refused" in told
 
 
 def test_cropped_mugshots_have_no_true_landmarks(tmp_path: Path, tone_model: Path) -> None:

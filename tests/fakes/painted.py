@@ -12,6 +12,8 @@ from lrsr.recognition.alignment import TEMPLATE_PX
 from lrsr.rendering.geometry import film_size_px
 from lrsr.rendering.radiance import Radiance
 
+_FIRST = {"train": 0, "validation": 10**6, "test": 2 * 10**6, "photograph": 3 * 10**6}
+
 
 class PaintedMaker:
     """Paints a face of 6×6 random tones over the frame; quick, and different for everyone."""
@@ -24,9 +26,7 @@ class PaintedMaker:
 
     def render(self, head: Head, recipe: Recipe) -> Radiance:
         person, film = recipe.person, recipe.film
-        generator = torch.Generator().manual_seed(
-            {"train": 0, "validation": 10**6, "test": 2 * 10**6}[person.split] + person.index
-        )
+        generator = torch.Generator().manual_seed(_FIRST[person.split] + person.index)
         tones = torch.rand(1, 3, 6, 6, generator=generator)
         side = film_size_px(film.ipd_px) * film.scale
         image = F.interpolate(tones, size=(side, side), mode="bilinear")[0]

@@ -13,8 +13,13 @@ ANSWERS = {  # words of what the last cell prints
     "04_does_super_resolution_help": "paired test p =",
     "05_your_own_photographs": "have the right person first",
     "06_what_is_a_score_worth": "this case",
+    "07_a_photograph_becomes_a_probe": "the photograph and the picture score",
 }
-LONG = ("04_does_super_resolution_help", "06_what_is_a_score_worth")
+LONG = (
+    "04_does_super_resolution_help",
+    "06_what_is_a_score_worth",
+    "07_a_photograph_becomes_a_probe",
+)
 NOTEBOOKS = sorted((Path(__file__).parents[2] / "notebooks").glob("*.ipynb"))
 
 

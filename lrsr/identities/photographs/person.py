@@ -7,7 +7,8 @@ names these people to any command. The pictures stay where they are and must not
 
 import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -27,7 +28,8 @@ if TYPE_CHECKING:
     from lrsr.identities.photographs.reconstruct import Reconstruction
 
 RECORD = "people.json"
-FORMAT = 1
+FORMAT = 2
+HALVES = ("development", "test")
 _WORN = ("name", "day", "glasses", "cap", "face_mask")
 """What another day can bring to a photographed person."""
 
@@ -44,6 +46,8 @@ class Photographed:
         five_px: ``(x, y)`` of eyes, nose and corners of the mouth on it.
         hair: "painted" or "none".
         expression: The "photograph"'s or "neutral".
+        who: Their name; empty: they are called after the picture.
+        others: Further photographs of the same person.
     """
 
     file: str
@@ -51,6 +55,8 @@ class Photographed:
     five_px: Five
     hair: Hair = "painted"
     expression: Kept = "photograph"
+    who: str = ""
+    others: "tuple[Photographed, ...]" = ()
 
     split = "photograph"
     """Of no split: nobody was drawn."""
@@ -65,7 +71,17 @@ class Photographed:
             >>> Photographed("/a.png", "0123456789abcdef", ()).id
             'photograph-0123456789ab'
         """
-        return f"{self.split}-{self.sha256[:12]}"
+        return self.who or f"{self.split}-{self.sha256[:12]}"
+
+    @property
+    def half(self) -> str:
+        """Of all people "development" or "test", by their name: a picture more changes nothing.
+
+        Example:
+            >>> [Photographed("a.png", "", (), who=name).half for name in ("ann", "kim")]
+            ['test', 'development']
+        """
+        return HALVES[hashlib.sha256(self.id.encode()).digest()[0] % 2]
 
     @property
     def index(self) -> int:
@@ -73,7 +89,7 @@ class Photographed:
         return int(self.sha256[:9], 16)
 
     def record(self) -> dict[str, Any]:
-        """Return what makes this person's head, in plain values; where the file lies does not."""
+        """Return what makes this person's head, in plain values; neither name nor place does."""
         return {
             "photograph": self.sha256,
             "five_px": [list(point) for point in self.five_px],
@@ -148,6 +164,8 @@ def _reconstructed(person: Photographed, texture_size: int) -> "Reconstruction":
 def read_photographed(folder: Path) -> tuple[Photographed, ...]:
     """Read who of a folder of ``lrsr reconstruct`` can be made, in order.
 
+    The first photograph of a person makes the head; the others are beside it.
+
     Args:
         folder: With ``people.json``.
 
@@ -162,17 +180,25 @@ def read_photographed(folder: Path) -> tuple[Photographed, ...]:
         raise InputError(f"identities.photographs={folder}: no {RECORD} there; {remedy}") from error
     try:
         require(content["format"] == FORMAT, f"{path} format", content["format"], str(FORMAT))
-        found = tuple(_person(one) for one in content["people"])
+        taken = [photographed_from(one) for one in content["people"]]
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path} is no record of this version: run lrsr reconstruct again") from (
             error
         )
-    if not found:
+    if not taken:
         raise InputError(f"identities.photographs={folder}: nobody there could be reconstructed")
-    return found
+    people: dict[str, list[Photographed]] = {}
+    for one in taken:
+        people.setdefault(one.id, []).append(one)
+    return tuple(replace(first, others=tuple(more)) for first, *more in people.values())
 
 
-def _person(told: dict[str, Any]) -> Photographed:
+def photographed_from(told: Mapping[str, Any]) -> Photographed:
+    """Return somebody as ``people.json`` has them.
+
+    Raises:
+        InputError: There is no such hair or expression.
+    """
     require(told["hair"] in HAIRS, "hair", told["hair"], " or ".join(HAIRS))
     require(told["expression"] in KEPT, "expression", told["expression"], " or ".join(KEPT))
     five = tuple((float(x), float(y)) for x, y in told["five_px"])
@@ -182,4 +208,5 @@ def _person(told: dict[str, Any]) -> Photographed:
         five_px=five,
         hair=cast("Hair", told["hair"]),
         expression=cast("Kept", told["expression"]),
+        who=str(told["who"]),
     )
