@@ -19,7 +19,7 @@ from tqdm import tqdm
 
 from lrsr.errors import InputError
 from lrsr.evaluation.distinctness import nearest
-from lrsr.experiments.learned_directions import Pixels, as_srgb, find_faces
+from lrsr.experiments.learned_directions import DETECTED_PX, Pixels, as_srgb
 from lrsr.experiments.report.sheets import draw_contact_sheet
 from lrsr.files import write_bytes, write_json
 from lrsr.identities.generated.attributes import AttributeMeter
@@ -33,6 +33,7 @@ from lrsr.journal import Journal
 from lrsr.pictures.folder import Entry, write_manifest
 from lrsr.pictures.image_files import read_image, write_png
 from lrsr.recognition.detection.detector import Detector
+from lrsr.recognition.detection.portrait import portrait_faces
 from lrsr.recognition.recognisers import Recogniser
 
 Told = dict[str, Any]
@@ -150,7 +151,7 @@ class GeneratedPeople:
             "why": "",
         }
         pixels = self._picture(told, _NEUTRAL)
-        faces = find_faces(pixels, self._detector)
+        faces = portrait_faces(pixels, self._detector, DETECTED_PX)
         if len(faces) != 1:
             return told | _refused("face", f"{len(faces)} faces")
         photograph = frame(pixels, faces[0].landmarks_px)

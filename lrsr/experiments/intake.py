@@ -13,10 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-import cv2
 import numpy as np
-import torch
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from lrsr.configuration import as_word, flag, require, section
@@ -30,7 +27,7 @@ from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.image_files import read_file
 from lrsr.pictures.recipe import digest
 from lrsr.recognition.detection.detector import Detector
-from lrsr.recognition.detection.faces import Detection
+from lrsr.recognition.detection.portrait import portrait_faces
 from lrsr.rendering.scene import Quality as Rendering
 
 if TYPE_CHECKING:
@@ -38,10 +35,6 @@ if TYPE_CHECKING:
 
 _TABLE = "photographs.csv"
 _LEAST_PX = 64
-_DETECTED_PX = 1280
-"""Larger pictures are reduced to this for the detector: a face that counts is not small on them."""
-_ANOTHER_FACE = 0.15
-"""A second face of more than this share of the first one's area makes it two."""
 
 Told = dict[str, Any]
 """What became of one photograph: file, who is on it, sha256, filter and why, which are empty where
@@ -152,7 +145,7 @@ class Intake:
         if min(height, width) < _LEAST_PX:
             why = f"{width} x {height} px, at least {_LEAST_PX} px are needed"
             return _refused("size", why)
-        faces = _find_faces(pixels, self._detector)
+        faces = portrait_faces(pixels, self._detector)
         if not faces:
             return _refused("face", "no face found")
         if len(faces) > 1:
@@ -215,37 +208,6 @@ def write_people(folder: Path, looked: Sequence[Told]) -> None:
         if not one["why"]
     ]
     write_json(folder / RECORD, {"format": FORMAT, "people": people, "refused": refused})
-
-
-def _find_faces(pixels: NDArray[Any], detector: Detector) -> list[Detection]:
-    """Return the faces of a picture that count, the largest first, in its own px.
-
-    Args:
-        pixels: ``(H, W, 3)`` of 8 or 16 bits.
-        detector: Finds them; large pictures are reduced for it.
-    """
-    height, width = pixels.shape[:2]
-    factor = min(1.0, _DETECTED_PX / max(height, width))
-    size = (max(1, round(width * factor)), max(1, round(height * factor)))
-    small = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA) if factor < 1 else pixels
-    srgb = small.astype(np.float32) / np.float32(np.iinfo(pixels.dtype).max)
-    batch = torch.from_numpy(np.ascontiguousarray(srgb.transpose(2, 0, 1)))[None]
-
-    def area(face: Detection) -> float:
-        left, top, right, bottom = face.box_px
-        return float((right - left) * (bottom - top))
-
-    faces = sorted(detector(batch)[0], key=area, reverse=True)
-    back = np.array([width / size[0], height / size[1]], np.float32)
-    return [
-        Detection(
-            ((face.box_px.reshape(2, 2) + 0.5) * back - 0.5).ravel(),
-            face.score,
-            (face.landmarks_px + 0.5) * back - 0.5,
-        )
-        for face in faces
-        if area(face) > _ANOTHER_FACE * area(faces[0])
-    ]
 
 
 def _plain(text: str) -> Told:

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -28,7 +27,7 @@ from lrsr.journal import Journal
 from lrsr.paths import user_path
 from lrsr.pictures.image_files import write_png
 from lrsr.recognition.detection.detector import Detector
-from lrsr.recognition.detection.faces import Detection
+from lrsr.recognition.detection.portrait import portrait_faces
 
 Pixels = NDArray[np.uint8]
 Scores = dict[str, NDArray[np.float64]]
@@ -36,10 +35,8 @@ Scores = dict[str, NDArray[np.float64]]
 _SAMPLES = "samples"
 _STREAM = 0
 """Second number of the seeds of these faces."""
-_DETECTED_PX = 640
-"""Larger pictures are reduced to this for the detector: a generated face fills its picture."""
-_ANOTHER_FACE = 0.15
-"""A second face of more than this share of the first one's area makes it two."""
+DETECTED_PX = 640
+"""Of a generated picture, for the detector: its face fills it."""
 
 logger = logging.getLogger(__name__)
 
@@ -161,7 +158,7 @@ class Learning:
             if keeps:
                 write_png(file, as_srgb(pixels)[0])
             if k not in known:
-                faces = find_faces(pixels, detector)
+                faces = portrait_faces(pixels, detector, DETECTED_PX)
                 known[k] = meter(frame(pixels, faces[0].landmarks_px)) if faces else nothing
                 journal.note({"sample": k, "attributes": known[k]})
         found = [known[k] for k in range(self.samples)]
@@ -174,28 +171,3 @@ def as_srgb(pixels: Pixels) -> torch.Tensor:
     """Return a picture ``(H, W, 3)`` as a batch of one: ``(1, 3, H, W)`` float32, [0, 1]."""
     planes = np.ascontiguousarray(pixels.transpose(2, 0, 1))
     return torch.from_numpy(planes.astype(np.float32) / np.float32(255))[None]
-
-
-def find_faces(pixels: Pixels, detector: Detector) -> list[Detection]:
-    """Return the faces of a generated picture that count, the largest first, in its own px.
-
-    Args:
-        pixels: ``(H, W, 3)``.
-        detector: Finds them.
-    """
-    height, width = pixels.shape[:2]
-    factor = min(1.0, _DETECTED_PX / max(height, width))
-    size = (max(1, round(width * factor)), max(1, round(height * factor)))
-    small = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA) if factor < 1 else pixels
-    back = np.array([width / size[0], height / size[1]], np.float32)
-    faces = [
-        Detection(
-            ((face.box_px.reshape(2, 2) + 0.5) * back - 0.5).ravel(),
-            face.score,
-            (face.landmarks_px + 0.5) * back - 0.5,
-        )
-        for face in detector(as_srgb(small))[0]
-    ]
-    areas = [float(np.prod(face.box_px[2:] - face.box_px[:2])) for face in faces]
-    order = np.argsort(areas)[::-1]
-    return [faces[k] for k in order if areas[k] > _ANOTHER_FACE * max(areas)]

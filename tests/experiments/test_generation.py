@@ -18,11 +18,10 @@ from lrsr.errors import InputError
 from lrsr.experiments import generated_people, learned_directions
 from lrsr.experiments.generated_people import GeneratedPeople
 from lrsr.experiments.generation import Generating
-from lrsr.experiments.learned_directions import Learning, find_faces
+from lrsr.experiments.learned_directions import Learning
 from lrsr.identities.generated.boundaries import learn_boundaries, read_boundaries
 from lrsr.identities.generated.generator import Generator
 from lrsr.identities.photographs.quality import Filters, Quality
-from lrsr.recognition.detection.detector import Detector
 from lrsr.recognition.detection.faces import Detection
 
 RNG = np.random.default_rng(8)
@@ -60,7 +59,7 @@ class Made:
 def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     """Take every picture for a face that is well fitted; measure it by its pixels."""
     for module in (learned_directions, generated_people):
-        monkeypatch.setattr(module, "find_faces", lambda *_: [FACE])
+        monkeypatch.setattr(module, "portrait_faces", lambda *_: [FACE])
         monkeypatch.setattr(module, "AttributeMeter", lambda: _measure)
     monkeypatch.setattr(generated_people, "reconstruct", Made)
 
@@ -237,16 +236,6 @@ def test_a_real_face_is_found_fitted_and_compared(folder: Path) -> None:
     assert taken["attributes"]["smile"] > 0.3
     assert (refused["filter"], refused["nearest"]) == ("alike", taken["identity_id"])
     assert refused["why"].endswith(f"from {taken['identity_id']}; smallest_angle_deg is 5")
-
-
-def test_the_faces_of_a_large_picture_are_in_its_own_px() -> None:
-    face = astronaut()[:280, 60:400]
-    large = cv2.resize(face, (1020, 840), interpolation=cv2.INTER_LINEAR)
-    detector = Detector()
-    small, found = (find_faces(one, detector) for one in (face, large))
-    assert len(found) == len(find_faces(np.concatenate([face, face], axis=1), detector)) - 1 == 1
-    where = (small[0].landmarks_px + 0.5) * 3 - 0.5
-    assert np.abs(found[0].landmarks_px - where).max() < 13  # a tenth of the distance of the eyes
 
 
 @pytest.mark.parametrize(

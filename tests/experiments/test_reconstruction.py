@@ -14,12 +14,13 @@ from PIL import Image
 from skimage.data import astronaut
 
 from lrsr.errors import InputError
-from lrsr.experiments.intake import Intake, _find_faces
+from lrsr.experiments.intake import Intake
 from lrsr.experiments.reconstruction import Reconstructing
 from lrsr.identities.photographs.person import Photographed
 from lrsr.identities.photographs.quality import Filters, Quality
 from lrsr.pictures.cache import RenderCache
 from lrsr.recognition.detection.detector import Detector
+from lrsr.recognition.detection.portrait import portrait_faces
 
 FACE = astronaut()[:280, 60:400]
 
@@ -182,9 +183,9 @@ def test_a_picture_is_turned_as_its_exif_says_and_cmyk_is_read(tmp_path: Path) -
     Image.fromarray(FACE).convert("CMYK").save(cmyk, quality=95)
     detector = Detector()
     places = [
-        _find_faces(decode(path.read_bytes(), path.name), detector)[0].landmarks_px
+        portrait_faces(decode(path.read_bytes(), path.name), detector)[0].landmarks_px
         for path in (turned, cmyk)
     ]
-    wanted = _find_faces(FACE, detector)[0].landmarks_px
+    wanted = portrait_faces(FACE, detector)[0].landmarks_px
     for found in places:
         np.testing.assert_allclose(found, wanted, atol=3)

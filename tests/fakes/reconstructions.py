@@ -35,6 +35,6 @@ def pretended(glasses: str) -> Iterator[list[str]]:
 
     face = Detection(np.zeros(4, np.float32), 1.0, points_of(32, 96).astype(np.float32))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(intake, "_find_faces", lambda *_: [face])
+        patch.setattr(intake, "portrait_faces", lambda *_: [face])
         patch.setattr(Photographed, "reconstruction", reconstruct)
         yield made
