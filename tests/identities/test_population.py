@@ -20,7 +20,7 @@ from lrsr.identities.population import (
 )
 from lrsr.identities.shape.basis import load_basis
 
-SEEDS = range(12)
+SEEDS = range(6)
 
 
 def test_the_ancestries_are_those_of_the_shape_space() -> None:
