@@ -8,11 +8,13 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
 WORDS = ["render", "identities.count=1", "camera=nikon_d5100", "ipd_px=8", "out=probes"]
 TINY = ["rendering.samples_per_pixel=64", "rendering.texture_size=64"]
 
 
+@pytest.mark.slow  # what a spectral variant shows, tests/rendering asks of one process for all
 def test_a_spectral_variant_takes_pictures_that_are_balanced_to_their_room(tmp_path: Path) -> None:
     environment = {**os.environ, "LRSR_VARIANT": "llvm_ad_spectral"}
     environment["LRSR_CACHE"] = str(tmp_path / "cache")

@@ -130,7 +130,11 @@ def test_a_folder_that_is_a_file_is_named(network: Any, tmp_path: Path) -> None:
     ("name", "arguments"),
     [
         ("fsrcnn", {"scale": 3, "features": 4, "shrunken": 2, "maps": 1}),
-        ("sparnet", {"scale": 3, "blocks": 1, "features": 8, "large_features": 4, "depth": 1}),
+        pytest.param(
+            "sparnet",
+            {"scale": 3, "blocks": 1, "features": 8, "large_features": 4, "depth": 1},
+            marks=pytest.mark.slow,  # ten seconds in torch's exporter
+        ),
     ],
     ids=["fsrcnn", "sparnet"],
 )
