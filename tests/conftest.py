@@ -1,7 +1,28 @@
 """Tests run on several cores at once: each worker then keeps to its own."""
 
+import gc
 import os
+import sys
+from collections.abc import Generator
+
+import pytest
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # before torch is imported
     os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ["LRSR_MODELS"] = "/nowhere"  # not what its user has pulled
+# Dozens of processes are started: none compiles what another has compiled.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+gc.disable()  # a quarter of the time until all tests are there
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collect_file() -> Generator[None, list[pytest.Collector], list[pytest.Collector]]:
+    """Look for doctests in the package alone."""
+    return [found for found in (yield) if type(found) is pytest.Module]
+
+
+def pytest_collection_finish() -> None:
+    """Never look through all that again for what nobody holds."""
+    gc.freeze()
+    gc.enable()

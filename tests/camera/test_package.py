@@ -102,7 +102,7 @@ def test_lists_of_any_type_are_the_same_setting(
 def test_what_is_no_list_of_numbers_is_refused_by_its_setting(
     stage: type[nn.Module], name: str, value: tuple[Any, ...]
 ) -> None:
-    broken = [True, "ab", 3, [], ["a", "b", "c"], {"a": 1, "b": 2}, None]
+    broken: list[object] = [True, "ab", 3, [], ["a", "b", "c"], {"a": 1, "b": 2}, None]
     for wrong in (*broken, [*value[:-1], float("nan")], [*value[:-1], True], [*value, 1.0]):
         with pytest.raises(InputError, match=name):
             stage(**{name: wrong})
