@@ -8,7 +8,7 @@ setup:
 test: # the ordinary suite, on all cores
 	$(BIN)/pytest
 
-slow: # minutes long each
+slow: # long ones, and more of a kind
 	$(BIN)/pytest -m slow -n 0
 
 lint:

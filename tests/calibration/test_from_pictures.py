@@ -14,7 +14,7 @@ from fakes.painted import PaintedMaker
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from lrsr.calibration import from_pictures
+from lrsr.calibration import fit, from_pictures
 from lrsr.calibration.fit import Fit, Fitted
 from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
 from lrsr.calibration.parameters import PARAMETERS, lens_blur_px, with_jpeg, with_values
@@ -72,7 +72,7 @@ def settings(images: Path, **changes: Any) -> FitSettings:
         FitSettings(
             images=images,
             preset=plain(config_folder() / "camera" / "generic.yaml"),
-            strangers=strangers(40),
+            strangers=strangers(24),
             name="lobby",
             part=1.0,
             rounds=2,
@@ -98,13 +98,15 @@ def images(tmp_path_factory: pytest.TempPathFactory, hidden: Mapping[str, Any]) 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory, images: Path) -> Path:
     run = tmp_path_factory.mktemp("run")
-    return fit_to_folder(
-        settings(images),
-        run,
-        cache=RenderCache(run / "cache"),
-        maker=PaintedMaker(),
-        progress=False,
-    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(fit, "_SETTLINGS", (1, 1))  # test_fit.py has a whole search
+        return fit_to_folder(
+            settings(images),
+            run,
+            cache=RenderCache(run / "cache"),
+            maker=PaintedMaker(),
+            progress=False,
+        )
 
 
 def test_the_preset_is_a_camera_like_the_hidden_one(
@@ -250,8 +252,8 @@ def test_a_camera_of_no_use_is_reported_but_not_written(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    fit = found(images, **outcome)
-    monkeypatch.setattr(from_pictures, "fit_camera", lambda *_, **__: fit)
+    told = found(images, **outcome)
+    monkeypatch.setattr(from_pictures, "fit_camera", lambda *_, **__: told)
     with pytest.raises(InputError, match=rf"images=.*: {says}.*no preset.*report\.html\)"):
         fit_to_folder(
             settings(images),

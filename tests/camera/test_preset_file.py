@@ -69,7 +69,7 @@ def test_what_other_editors_write_is_read(edited: Any, tmp_path: Path) -> None:
         (b"name: \xe9\n", "no configuration"),
         (f"{TOP}name: a\nname: b\n", "no configuration: while constructing a mapping"),
         (f"{TOP}---\n{TOP}", "no configuration"),
-        ("[" * 3000, "no configuration"),
+        ("[" * 1000, "no configuration"),
         ("#" * 70_000, "70000 bytes are too many for a camera"),
     ],
 )
@@ -102,12 +102,13 @@ def test_what_describes_no_camera_is_refused_with_the_remedy(
         "null",
     ],
 )
-@pytest.mark.parametrize("key", ["sensor", "optics", "name", "origin_px"])
-def test_nothing_but_parts_of_a_camera_is_built(target: str, key: str, tmp_path: Path) -> None:
-    trap = written(tmp_path, f"{TOP}{key}:\n  _target_: '{target}'\n  f: {tmp_path / 'stolen'}\n")
-    with pytest.raises(InputError, match=r"builds no part of lrsr\.camera; remove it"):
-        read_preset_file(trap)
-    assert list(tmp_path.iterdir()) == [trap]
+def test_nothing_but_parts_of_a_camera_is_built(target: str, tmp_path: Path) -> None:
+    for key in ("sensor", "optics", "name", "origin_px"):
+        stolen = tmp_path / "stolen"
+        trap = written(tmp_path, f"{TOP}{key}:\n  _target_: '{target}'\n  f: {stolen}\n")
+        with pytest.raises(InputError, match=r"builds no part of lrsr\.camera; remove it"):
+            read_preset_file(trap)
+        assert list(tmp_path.iterdir()) == [trap]
 
 
 @pytest.mark.parametrize(

@@ -82,11 +82,6 @@ def test_cfg_job_prints_the_settings_and_does_nothing(
     [
         (["encoder=facenet"], "encoder=facenet: wanted one of auto, dlib, shipped"),
         (["encoder=dlib"], "pip install 'lrsr[dlib]', or give encoder=shipped"),
-        (["smallest_angle_deg=120"], "smallest_angle_deg=120.0: wanted 0 to 90 degrees"),
-        (["most_redraws=-1"], "most_redraws=-1: wanted at least 0"),
-        (["identities.count=0"], "identities.count=0: wanted at least 1"),
-        (["identities.ancestry=[martian]"], "wanted some of african, asian, caucasian"),
-        (["identities.roster=none.json"], "cannot read none.json"),
         (["recognition.model=none.onnx"], "none.onnx"),
         (["recognition.landmarks=own"], "recognition.landmarks=own: wanted shared"),
         (["recognition.fallback=whole_image"], "wanted recognition.model and .device alone"),

@@ -1,4 +1,4 @@
-"""A camera with measured filters, as a user would type it: with and without a spectrum."""
+"""A camera with measured filters, as a user would type it."""
 
 import csv
 import os
@@ -10,12 +10,11 @@ import cv2
 import numpy as np
 import pytest
 
-from lrsr.cli import main
-
 WORDS = ["render", "identities.count=1", "camera=nikon_d5100", "ipd_px=8", "out=probes"]
 TINY = ["rendering.samples_per_pixel=64", "rendering.texture_size=64"]
 
 
+@pytest.mark.slow  # what a spectral variant shows, tests/rendering asks of one process for all
 def test_a_spectral_variant_takes_pictures_that_are_balanced_to_their_room(tmp_path: Path) -> None:
     environment = {**os.environ, "LRSR_VARIANT": "llvm_ad_spectral"}
     environment["LRSR_CACHE"] = str(tmp_path / "cache")
@@ -36,14 +35,3 @@ def test_a_spectral_variant_takes_pictures_that_are_balanced_to_their_room(tmp_p
         blue, _, red = wall.mean(axis=(0, 1))
         assert 5 < red - blue < 40
     assert np.abs(walls[0].mean(axis=(0, 1)) - walls[1].mean(axis=(0, 1))).max() < 8
-
-
-def test_a_variant_of_three_colours_says_what_to_set(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("LRSR_CACHE", str(tmp_path / "cache"))
-    monkeypatch.chdir(tmp_path)
-    assert main([*WORDS, *TINY]) == 2
-    last = capsys.readouterr().err.strip().splitlines()[-1]
-    assert last.startswith("lrsr: bands=35: variant")
-    assert "set LRSR_VARIANT=llvm_ad_spectral" in last

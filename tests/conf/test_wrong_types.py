@@ -3,19 +3,19 @@
 Nothing is rendered, trained or written: what a command calls last is replaced.
 """
 
-import copy
 import functools
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
+import hydra.utils
 import pytest
 import torch
 from fakes.configurations import composed
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
-from omegaconf import OmegaConf
+from omegaconf import DictConfig, OmegaConf
 
 from lrsr import presets, tasks
 from lrsr.failures import explain
@@ -140,13 +140,14 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(tasks, "write_provenance", lambda *_: None)
     monkeypatch.setattr(loading, "read_weights", functools.cache(loading.read_weights))
     monkeypatch.setattr(presets, "preset", as_they_are)
-    hydra = SimpleNamespace(
+    monkeypatch.setattr(hydra.utils, "instantiate", made_once)
+    of_hydra = SimpleNamespace(
         job=SimpleNamespace(config_name="command", num=0),
         mode=RunMode.RUN,
         overrides=SimpleNamespace(task=[]),
         runtime=SimpleNamespace(choices={"sr": "base"}),
     )
-    monkeypatch.setattr(HydraConfig, "get", lambda: hydra)
+    monkeypatch.setattr(HydraConfig, "get", lambda: of_hydra)
 
 
 PRESET, BUILT = presets.preset, functools.cache(presets.preset)
@@ -155,6 +156,18 @@ PRESET, BUILT = presets.preset, functools.cache(presets.preset)
 def as_they_are(group: str, name: str, /, **changes: Any) -> Any:
     """A preset, built once where nothing of it is changed: most are not what a case is about."""
     return PRESET(group, name, **changes) if changes else BUILT(group, name)
+
+
+INSTANTIATE, MADE = hydra.utils.instantiate, dict[str, Any]()
+
+
+def made_once(node: Any, **how: Any) -> Any:
+    """Build what a case has left as it was once for all cases."""
+    plain = OmegaConf.to_container(node, resolve=True) if OmegaConf.is_config(node) else node
+    key = repr((plain, how))
+    if key not in MADE:
+        MADE[key] = INSTANTIATE(node, **how)
+    return MADE[key]
 
 
 def leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -178,12 +191,12 @@ def of_other_kinds(value: object) -> list[Any]:
     return [NAMES, True] if value is None else [WORD, LIST]
 
 
-def attempt(command: str, plain: Any, word: str) -> str | None:
+def attempt(command: str, config: DictConfig, word: str) -> str | None:
     """Return the line that the command refuses with; None if it takes everything."""
     name = command.split("-")[0] if command != "fit-camera" else command
     task = getattr(tasks, f"run_{name.replace('-', '_')}")
     try:
-        task(OmegaConf.create(plain))
+        task(config)
     except DoneError:
         return None
     except Exception as error:
@@ -203,8 +216,9 @@ def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
     nobody = ("score", "models", "upscale", "compare", "eval-case")
     people = [] if command in nobody else [f"identities.count={count}"]
     config = composed(name, *COMMANDS[command], *people)
-    plain: Any = OmegaConf.to_container(config, resolve=False)
-    assert attempt(command, copy.deepcopy(plain), "") is None
+    OmegaConf.set_struct(config, False)
+    plain = OmegaConf.to_container(config, resolve=False)
+    assert attempt(command, config, "") is None
     skipped = UNREAD.get(command, set()) | OF_OTHERS
     if command != "render":
         skipped |= SHARED - ({"lens"} if command == "render-lens" else set())
@@ -216,9 +230,10 @@ def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
         for other in of_other_kinds(value):
             if other in RIGHT.get(key, ()):
                 continue
-            changed = copy.deepcopy(plain)
-            functools.reduce(dict.__getitem__, path[:-1], changed)[path[-1]] = other
-            line = attempt(command, changed, f"{key}={other}")
+            section = functools.reduce(DictConfig.__getitem__, path[:-1], config)
+            section[path[-1]] = other
+            line = attempt(command, config, f"{key}={other}")
+            section[path[-1]] = value
             if line is None or line.startswith("fault") or not says(line, path):
                 wrong.append(f"{key}={other}: {line}")
     assert not wrong, "\n".join(wrong)

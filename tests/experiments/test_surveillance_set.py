@@ -13,8 +13,6 @@ from lrsr.experiments.survface_study import SurvFaceStudy
 from lrsr.experiments.tinyface_study import TinyFaceStudy
 from lrsr.pictures.cache import RenderCache
 
-pytestmark = pytest.mark.usefixtures("no_figures")
-
 STUDIES = {"tinyface": TinyFaceStudy, "survface": SurvFaceStudy}
 
 

@@ -10,7 +10,7 @@ from lrsr.camera import Camera
 from lrsr.camera.sensor import Sensor
 from lrsr.experiments.conditions import Condition
 from lrsr.experiments.design import Design
-from lrsr.experiments.trial import Trial
+from lrsr.experiments.trial import Outcome, Trial
 from lrsr.identities.morphable import RECIPE_VERSION
 from lrsr.identities.population import Population
 from lrsr.identities.roster import IdentityRange, Roster, write_roster
@@ -47,16 +47,22 @@ def trial(folder: Path, model: Path, design: Design = DESIGN) -> Trial:
     return Trial(design, cache, Engine(model), PaintedMaker(), progress=False)
 
 
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory, tone_model: Path) -> Outcome:
+    """What the design as it stands comes to."""
+    (outcome,) = trial(tmp_path_factory.mktemp("plain"), tone_model).outcomes()
+    return outcome
+
+
 def recipes(source: object) -> list[Recipe]:
     assert isinstance(source, Rendered)
     return list(source.recipes)
 
 
-def test_painted_people_are_told_apart_by_every_method(tmp_path: Path, tone_model: Path) -> None:
-    (outcome,) = trial(tmp_path, tone_model).outcomes()
-    assert [row["method"] for row in outcome.rows] == list(METHODS)
-    assert all(row["auc"] > 0.99 for row in outcome.rows)
-    assert all((row["n_genuine"], row["n_impostor"]) == (12, 132) for row in outcome.rows)
+def test_painted_people_are_told_apart_by_every_method(plain: Outcome) -> None:
+    assert [row["method"] for row in plain.rows] == list(METHODS)
+    assert all(row["auc"] > 0.99 for row in plain.rows)
+    assert all((row["n_genuine"], row["n_impostor"]) == (12, 132) for row in plain.rows)
 
 
 def test_everything_is_rendered_once_and_kept(tmp_path: Path, tone_model: Path) -> None:
@@ -127,16 +133,13 @@ def test_psnr_is_measured_against_the_uncompressed_finer_film(
     assert outcome.rows[0]["psnr_y_db"] == pytest.approx(sum(each) / len(each), abs=1e-4)
 
 
-def test_pictures_show_gallery_probe_methods_and_reference(
-    tmp_path: Path, tone_model: Path
-) -> None:
-    (outcome,) = trial(tmp_path, tone_model).outcomes()
-    assert list(outcome.panel.pictures) == [
+def test_pictures_show_gallery_probe_methods_and_reference(plain: Outcome) -> None:
+    assert list(plain.panel.pictures) == [
         "Gallery", "Probe", "Bicubic 2", "Bicubic 4", "SR 2", "SR 2x2", "SR 4", "Reference",
     ]  # fmt: skip
-    assert outcome.panel.pictures["Probe"].shape == (6, 3, 32, 32)
-    assert outcome.panel.pictures["Reference"].shape == (6, 3, 128, 128)
-    assert all(torch.isfinite(images).all() for images in outcome.panel.pictures.values())
+    assert plain.panel.pictures["Probe"].shape == (6, 3, 32, 32)
+    assert plain.panel.pictures["Reference"].shape == (6, 3, 128, 128)
+    assert all(torch.isfinite(images).all() for images in plain.panel.pictures.values())
 
 
 def test_base_alone_needs_no_reference(tmp_path: Path, tone_model: Path) -> None:
@@ -148,24 +151,25 @@ def test_base_alone_needs_no_reference(tmp_path: Path, tone_model: Path) -> None
 
 
 def test_without_references_fewer_pictures_are_rendered_and_nothing_else_changes(
-    tmp_path: Path, tone_model: Path
+    plain: Outcome, tmp_path: Path, tone_model: Path
 ) -> None:
     without = trial(tmp_path, tone_model, replace(DESIGN, references=False))
     assert without.render() == 12 * 2
-    (bare,), (whole,) = without.outcomes(), trial(tmp_path, tone_model).outcomes()
+    (bare,) = without.outcomes()
     assert "Reference" not in bare.panel.pictures
-    for row, full in zip(bare.rows, whole.rows, strict=True):
+    for row, full in zip(bare.rows, plain.rows, strict=True):
         assert row["psnr_y_db"] is row["identity_similarity"] is None
         assert row["auc"] == full["auc"]
 
 
-def test_a_camera_with_flaws_takes_the_probes_alone(tmp_path: Path, tone_model: Path) -> None:
+def test_a_camera_with_flaws_takes_the_probes_alone(
+    plain: Outcome, tmp_path: Path, tone_model: Path
+) -> None:
     flawed = Camera(supersampling=2, sensor=Sensor(100.0), name="flawed")
     experiment = trial(tmp_path, tone_model, replace(DESIGN, camera=flawed))
     assert experiment.render() == 12 * (1 + 3)
     assert experiment.render() == 0
     (ours,) = experiment.outcomes()
-    (plain,) = trial(tmp_path, tone_model).outcomes()
     assert torch.equal(ours.panel.pictures["Gallery"], plain.panel.pictures["Gallery"])
     assert torch.equal(ours.panel.pictures["Reference"], plain.panel.pictures["Reference"])
     assert ours.panel.pictures["Probe"].shape == plain.panel.pictures["Probe"].shape

