@@ -8,6 +8,7 @@ import logging
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -22,9 +23,10 @@ from lrsr.errors import InputError
 from lrsr.experiments.report.reconstructed import draw_reconstruction
 from lrsr.files import write_bytes, write_json, write_text
 from lrsr.identities.photographs.choices import HAIRS, Hair, Kept
-from lrsr.identities.photographs.person import FORMAT, RECORD, Photographed
+from lrsr.identities.photographs.person import FORMAT, RECORD, Network, Photographed
 from lrsr.identities.photographs.picture_file import decode, frame
 from lrsr.identities.photographs.quality import Filters, Quality
+from lrsr.identities.photographs.reconstructor import shared_reconstructor
 from lrsr.paths import path_if_any, user_path
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.image_files import SUFFIXES, read_file
@@ -60,9 +62,10 @@ class Reconstructing:
         neutral: The face at rest, not as photographed.
         ages: CSV with the columns ``file`` and ``age_years``; who is under 18, or missing there, is
             refused. None: you say that everybody is an adult.
+        reconstructor: ONNX file of a calibrated network; None: the one that ships.
 
     Raises:
-        InputError: A value is wrong.
+        InputError: A value is wrong, or the network cannot be used.
     """
 
     images: Path
@@ -70,9 +73,23 @@ class Reconstructing:
     hair: Hair = "painted"
     neutral: bool = False
     ages: Path | None = None
+    reconstructor: Path | None = None
 
     def __post_init__(self) -> None:
         require(self.hair in HAIRS, "hair", self.hair, f"one of {', '.join(HAIRS)}")
+        _ = self.network
+
+    @cached_property
+    def network(self) -> Network | None:
+        """The network that finds faces; None: the one that ships.
+
+        Raises:
+            InputError: It cannot be used.
+        """
+        if self.reconstructor is None:
+            return None
+        digest = shared_reconstructor(self.reconstructor).digest
+        return Network(str(self.reconstructor), digest)
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:
@@ -87,6 +104,7 @@ class Reconstructing:
             hair=as_word(config.hair, "hair"),  # type: ignore[arg-type]  # checked above
             neutral=flag(config, "neutral"),
             ages=path_if_any(config.ages, "ages"),
+            reconstructor=path_if_any(config.reconstructor, "reconstructor"),
         )
 
     def run(
@@ -138,6 +156,7 @@ class Reconstructing:
             "filters": asdict(self.filters),
             "hair": self.hair,
             "neutral": self.neutral,
+            "reconstructor": self.network and self.network.sha256,
         }
 
     def _sources(self) -> list[Path]:
@@ -237,13 +256,14 @@ class _Work:
             why = f"{ipd_px:.0f} px between the eyes; filters.least_ipd_px is {least:g}"
             return _refused("size", why)
         places = tuple((round(float(x), 3), round(float(y), 3)) for x, y in five)
-        hair, kept = self.asked.hair, self.asked.kept
-        somebody = Photographed(str(source), digest, places, hair, kept)
+        hair, kept, network = self.asked.hair, self.asked.kept, self.asked.network
+        somebody = Photographed(str(source), digest, places, hair, kept, network)
         made = somebody.reconstruction(Rendering().texture_size)
         person = {
             "five_px": [list(place) for place in places],
             "hair": hair,
             "expression": kept,
+            "reconstructor": network and network._asdict(),
             "quality": asdict(made.quality),
         }
         refusal = self.asked.filters.refusal(made.quality)
