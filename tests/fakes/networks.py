@@ -68,18 +68,20 @@ def write_colour_finder(
     y, x = np.mgrid[:size_px, :size_px].reshape(2, -1).astype(np.float32)
     last = size_px - 1.0
     constants = {
-        "gain": np.float32([scale / 255]),
-        "offset": np.float32([mean / 255]),
+        "gain": np.array([scale / 255], np.float32),
+        "offset": np.array([mean / 255], np.float32),
         "weight": 2 * sharp * ordered[:, :, None, None],
         "bias": -sharp * (ordered**2).sum(axis=1),
-        "sharp": np.float32([-sharp]),
+        "sharp": np.array([-sharp], np.float32),
         "one": np.array([1]),
         "flat": np.array([0, len(colours), -1]),
         "grid": np.stack([x, y, 0 * x], axis=1) / np.float32(unit),
         "zero": np.array([0]),
         "four": np.array([4]),
-        "nothing": np.float32([0]),
-        "corners": np.float32([[0, 0, 0], [last, 0, 0], [0, last, 0], [last, last, 0]]) / unit,
+        "nothing": np.zeros(1, np.float32),
+        "corners": (np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]) * last / unit).astype(
+            np.float32
+        ),
         "shape": np.array([0, 4, -1, 3]),
     }
     name = "nhwc" if as_map else "nchw"

@@ -240,6 +240,6 @@ def _read_landmarker_contract(model: Path) -> _LandmarkerContract:
     for name in ("crop.side", "output.unit_px"):
         value = getattr(contract, name.partition(".")[2])
         require(value > 0, name, value, "above 0")
-    require(min(np.ravel(contract.scale)) > 0, "input.scale", contract.scale, "above 0")
+    require(bool(np.min(contract.scale) > 0), "input.scale", contract.scale, "above 0")
     require(contract.size_px >= 16, "input.size_px", contract.size_px, "at least 16")
     return contract
