@@ -44,6 +44,7 @@ _COMMANDS = {
     "identities": "contact sheet, who they are, uniqueness check; export=DIR: meshes",
     "reconstruct": "heads from photographs in images=DIR, for identities.photographs=",
     "generate": "photographs of people whom a generator=FILE.onnx makes up, for reconstruct",
+    "calibrate-reconstructor": "another network for lrsr reconstruct, model=FILE.onnx",
     "fit-camera": "a camera preset from real pictures in images=DIR",
     "models": "list, pull NAME, add FILE, verify, remove NAME: networks of other people",
 }
@@ -57,7 +58,7 @@ _USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixe
 usage: lrsr COMMAND [key=value ...] [--cfg job] [--multirun] [--help] [--debug]
 
 commands:
-{chr(10).join(f"  {name:<11} {does}" for name, does in _COMMANDS.items())}
+{chr(10).join(f"  {name:<23} {does}" for name, does in _COMMANDS.items())}
 
 examples:
   lrsr demo

@@ -49,6 +49,7 @@ _PATHS = {
     "real_scores",
     "probe",
     "enrolled",
+    "reconstructor",
 }
 _FOLDERS = ("gallery", "probes")
 """Sections whose ``folder`` may be given as if it were all of them."""

@@ -314,6 +314,20 @@ def run_generate(config: "DictConfig") -> Path:
         return asked.run(folder)
 
 
+def run_calibrate_reconstructor(config: "DictConfig") -> Path:
+    """Calibrate a landmark network; see :mod:`lrsr.calibration.landmark_correspondence`.
+
+    Raises:
+        InputError: A setting is wrong, or the network cannot be used.
+    """
+    from lrsr.calibration.landmark_correspondence import Calibrating  # Mitsuba takes seconds
+
+    asked = Calibrating.from_config(config)
+    with run_folder(config) as folder:
+        write_provenance(folder, config)
+        return asked.run(folder, _cache(config))
+
+
 def run_fit_camera(config: "DictConfig") -> Path:
     """Estimate a camera from real pictures; see :mod:`lrsr.calibration.from_pictures`.
 

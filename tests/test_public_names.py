@@ -27,7 +27,6 @@ KEPT = {
     "lrsr.identities.hair.build_anchors.main": "makes an asset: run by python -m",
     "lrsr.identities.shape.build_basis.main": "the same",
     "lrsr.identities.photographs.build_space.main": "the same",
-    "lrsr.calibration.landmark_correspondence.main": "the same",
 } | {f"lrsr.tasks.run_{name.replace('-', '_')}": "the command's" for name in _COMMANDS}
 """Names that no text has, and why they are public nevertheless."""
 Definition = ast.FunctionDef | ast.ClassDef | ast.Assign | ast.AnnAssign

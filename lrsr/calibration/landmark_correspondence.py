@@ -1,39 +1,130 @@
-"""How is ``landmark_correspondence.npz`` made? By ``python -m`` and the name of this module.
+"""Where are a network's points on our faces, and how wrong is it? ``lrsr calibrate-reconstructor``.
 
-A landmark network is shown rendered people whose vertices are known. A point of the network is the
-vertex whose projection lies nearest to it over all pictures; what remains is the network's noise.
-Nobody's word is taken for what a point means, so any network with points can be calibrated so.
-Renderings are kept in the cache: an interrupted call goes on.
+The network is shown rendered people whose vertices are known. A point of it is the vertex whose
+projection lies nearest to it over all pictures; what remains is the network's noise. Nobody's word
+is taken for what a point means, so any network of landmarks can be calibrated so, and any position
+map, whose texels are landmarks.
 """
 
-import argparse
-import sys
+import logging
 from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.calibration.landmark_views import View, plan_views, take_views
+from lrsr.configuration import number, require, whole_number
+from lrsr.errors import InputError
+from lrsr.files import write_json
 from lrsr.identities.face.template import template
 from lrsr.identities.person import Person
-from lrsr.identities.photographs.correspondence import ASSET_NAME, Correspondence, tip_of
+from lrsr.identities.photographs.correspondence import (
+    Correspondence,
+    correspondence_path,
+    tip_of,
+)
 from lrsr.identities.photographs.landmarker import Landmarker
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.build_basis import write
-from lrsr.paths import PACKAGE, cache_folder
+from lrsr.paths import user_path
 from lrsr.pictures.cache import RenderCache
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
 
 _Points = NDArray[np.float64]
 
-_FIRST, _PEOPLE = 5000, 24
-"""Of the split "train"."""
 _ROUNDS = 3
 _OUTLIER = 3.0
-"""_Points farther off than this many times their usual error do not count in the next round."""
+"""Points farther off than this many times their usual error do not count in the next round."""
+_PART = 2048
+"""Points that are held against all vertices at once."""
 _COMPONENTS = 50
 _TURNED_DEG, _TURNED_WEIGHT = 20.0, 0.5
 """Views of more yaw count for less: half of their points are on the far side."""
+_LEAST_PEOPLE, _LEAST_POINTS = 2, 20
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Calibrating:
+    """Which network is calibrated, and on whom.
+
+    Attributes:
+        model: An ONNX file with its contract beside it.
+        count: How many people of the split "train" are rendered.
+        start: Number of the first one.
+        most_error_mm: Points that are farther from their vertex, root mean square, are dropped.
+        most_points: How many of the others are kept, spread over the face.
+
+    Raises:
+        InputError: A number is out of its range, or the model or its contract cannot be used.
+    """
+
+    model: Path
+    count: int
+    start: int
+    most_error_mm: float
+    most_points: int
+
+    def __post_init__(self) -> None:
+        least = {"count": _LEAST_PEOPLE, "start": 0, "most_points": _LEAST_POINTS}
+        for name, limit in least.items():
+            value = getattr(self, name)
+            require(value >= limit, name, value, f"at least {limit}")
+        require(self.most_error_mm > 0, "most_error_mm", self.most_error_mm, "above 0")
+        _ = self.landmarker
+
+    @cached_property
+    def landmarker(self) -> Landmarker:
+        """The network.
+
+        Raises:
+            InputError: It or its contract cannot be used.
+        """
+        return Landmarker(self.model)
+
+    @classmethod
+    def from_config(cls, config: "DictConfig") -> Self:
+        """Read a composed configuration of ``lrsr calibrate-reconstructor``.
+
+        Raises:
+            InputError: A value is wrong; the message names the setting and the remedy.
+        """
+        whole = {key: whole_number(config, key) for key in ("count", "start", "most_points")}
+        model, most = user_path(config.model, "model"), number(config, "most_error_mm")
+        return cls(model=model, most_error_mm=most, **whole)
+
+    def run(self, folder: Path, cache: RenderCache) -> Path:
+        """Write ``NAME.npz`` beside the model, and ``calibration.json`` into a folder.
+
+        Renderings are kept in the cache: an interrupted call goes on.
+
+        Args:
+            folder: Where figures go.
+            cache: Where renderings are kept.
+
+        Raises:
+            InputError: Hardly a point of the network follows a face, it cannot take its crops, or
+                a file cannot be written.
+        """
+        people = [Person("train", self.start + index) for index in range(self.count)]
+        views = take_views(plan_views(people), cache)
+        found, figures = _measure(views, self.landmarker, self.most_error_mm, self.most_points)
+        numbers = f"train {self.start} to {self.start + self.count - 1}"
+        path = correspondence_path(self.model)
+        write(found.arrays(f"lrsr calibrate-reconstructor, {numbers}"), path)
+        write_json(folder / "calibration.json", figures | {"file": str(path)})
+        logger.info(
+            "%s: %d of %d points, %.1f mm from their vertices",
+            path, figures["points_kept"], figures["points"], figures["error_mm"],
+        )  # fmt: skip
+        return folder
 
 
 def _candidates() -> NDArray[np.int64]:
@@ -57,6 +148,12 @@ def _nearest_vertices(found: _Points, projected: _Points, weights: _Points) -> N
     Returns:
         ``(N,)`` indices into V.
     """
+    parts = range(0, found.shape[1], _PART)
+    each = [_nearest_of_few(found[:, k : k + _PART], projected, weights) for k in parts]
+    return np.concatenate(each)
+
+
+def _nearest_of_few(found: _Points, projected: _Points, weights: _Points) -> NDArray[np.int64]:
     every = np.repeat(weights[:, None], found.shape[1], axis=1)
     for _ in range(_ROUNDS):
         # sum of w |l - v|^2 = sum of w |l|^2 - 2 w l.v + w |v|^2, of which the first is no choice
@@ -88,12 +185,49 @@ def _describe_noise(errors: _Points, components: int) -> tuple[_Points, _Points,
     return bias, kept.reshape(components, points, 2), float(left)
 
 
-def _measure(views: Iterable[View], landmarker: Landmarker) -> Correspondence:
+def _spread_out(places: _Points, count: int) -> NDArray[np.int64]:
+    """Choose places that lie far from each other; of equal ones the first.
+
+    Args:
+        places: ``(n, 3)``.
+        count: How many at most.
+
+    Returns:
+        Their numbers, in order; all where they are few enough.
+
+    Example:
+        >>> _spread_out(np.array([[0.0], [0.0], [1.0], [9.0]]), 3)
+        array([0, 2, 3])
+    """
+    if len(places) <= count:
+        return np.arange(len(places))
+    chosen, away = [0], np.full(len(places), np.inf)
+    while len(chosen) < count:
+        away = np.minimum(away, ((places - places[chosen[-1]]) ** 2).sum(axis=1))
+        chosen.append(int(away.argmax()))
+        if away[chosen[-1]] == 0:  # every place is taken
+            chosen.pop()
+            break
+    return np.sort(chosen)
+
+
+def _measure(
+    views: Iterable[View], landmarker: Landmarker, most_error_mm: float, most_points: int
+) -> tuple[Correspondence, dict[str, Any]]:
     """Find a network's points on our mesh, and its noise.
 
     Args:
-        views: Of many people.
+        views: Of several people.
         landmarker: The network.
+        most_error_mm: See :class:`Calibrating`.
+        most_points: See :class:`Calibrating`.
+
+    Returns:
+        What is to be known of the network, and figures: how many points it has, how many are kept,
+        and the median over these of their distance from their vertices, root mean square.
+
+    Raises:
+        InputError: Fewer than 20 points are within that error of a vertex.
     """
     chosen = _candidates()
     found, projected, poses = [], [], []
@@ -107,28 +241,36 @@ def _measure(views: Iterable[View], landmarker: Landmarker) -> Correspondence:
     turned = np.array([abs(pose.yaw_deg) > _TURNED_DEG for pose in poses])
     weights = np.where(turned, _TURNED_WEIGHT, 1.0)
     nearest = _nearest_vertices(np.array(found), np.array(projected), weights)
+    squares = [
+        ((points - vertices[nearest]) ** 2).sum(axis=1)
+        for points, vertices in zip(found, projected, strict=True)
+    ]
+    off = np.sqrt(np.average(squares, axis=0, weights=weights))
+    kept = _kept(off, template().skin[chosen[nearest]], most_error_mm, most_points)
+    if len(kept) < _LEAST_POINTS:
+        raise InputError(
+            f"{landmarker.model}: {len(kept)} of {len(off)} points are within {most_error_mm:g} mm"
+            f" of a vertex, at least {_LEAST_POINTS} are needed: mend crop and output of its"
+            " contract, or raise most_error_mm"
+        )
+    nearest = nearest[kept]
     errors = [
-        (points - vertices[nearest]) @ tip_of(pose.rotation())
+        (points[kept] - vertices[nearest]) @ tip_of(pose.rotation())
         for points, vertices, pose in zip(found, projected, poses, strict=True)
     ]
-    noise = _describe_noise(np.array(errors), _COMPONENTS)
-    return Correspondence(chosen[nearest], *noise, network=landmarker.contract.sha256)
+    noise = _describe_noise(np.array(errors), min(_COMPONENTS, len(errors) - 1))
+    network = landmarker.contract.sha256
+    figures = {
+        "points": len(off),
+        "points_kept": len(kept),
+        "error_mm": float(np.median(off[kept])),
+        "pictures": len(errors),
+    }
+    return Correspondence(kept, chosen[nearest], *noise, network=network), figures
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Write the asset; see the module."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cache", type=Path, default=None, help="folder of renderings")
-    parser.add_argument("--out", type=Path, default=Path(PACKAGE) / "assets" / ASSET_NAME)
-    arguments = parser.parse_args(argv)
-    cache = RenderCache(arguments.cache or cache_folder())
-    people = [Person("train", index) for index in range(_FIRST, _FIRST + _PEOPLE)]
-    found = _measure(take_views(plan_views(people), cache), Landmarker())
-    module = "python -m lrsr.calibration.landmark_correspondence"
-    made_by = f"{module}, train {_FIRST} to {_FIRST + _PEOPLE - 1}"
-    write(found.arrays(made_by), arguments.out)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def _kept(off: _Points, places: _Points, most_error_mm: float, most: int) -> NDArray[np.int64]:
+    """Return which points are used: near enough to their vertices, and spread over the face."""
+    best = np.argsort(off, kind="stable")
+    best = best[off[best] <= most_error_mm]
+    return np.sort(best[_spread_out(places[best], most)])

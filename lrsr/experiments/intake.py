@@ -20,9 +20,11 @@ from lrsr.configuration import as_word, flag, require, section
 from lrsr.errors import InputError
 from lrsr.files import write_json, write_text
 from lrsr.identities.photographs.choices import HAIRS, PHOTOGRAPHS_VERSION, Hair, Kept
-from lrsr.identities.photographs.person import FORMAT, RECORD, Photographed
+from lrsr.identities.photographs.person import FORMAT, RECORD, Network, Photographed
 from lrsr.identities.photographs.picture_file import decode
 from lrsr.identities.photographs.quality import Filters, Quality
+from lrsr.identities.photographs.reconstructor import shared_reconstructor
+from lrsr.paths import path_if_any
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.image_files import read_file
 from lrsr.pictures.recipe import digest
@@ -51,17 +53,31 @@ class Intake:
         filters: Which photographs are taken.
         hair: "painted" or "none".
         neutral: The face at rest, not as photographed.
+        reconstructor: ONNX file of a calibrated network; None: the one that ships.
 
     Raises:
-        InputError: A value is wrong.
+        InputError: A value is wrong, or the network cannot be used.
     """
 
     filters: Filters = field(default_factory=Filters)
     hair: Hair = "painted"
     neutral: bool = False
+    reconstructor: Path | None = None
 
     def __post_init__(self) -> None:
         require(self.hair in HAIRS, "hair", self.hair, f"one of {', '.join(HAIRS)}")
+        _ = self.network
+
+    @cached_property
+    def network(self) -> Network | None:
+        """The network that finds faces; None: the one that ships.
+
+        Raises:
+            InputError: It cannot be used.
+        """
+        if self.reconstructor is None:
+            return None
+        return Network(str(self.reconstructor), shared_reconstructor(self.reconstructor).digest)
 
     @classmethod
     def from_config(cls, config: "DictConfig") -> Self:
@@ -74,11 +90,13 @@ class Intake:
             filters=section(Filters, config, "filters"),
             hair=as_word(config.hair, "hair"),  # type: ignore[arg-type]  # checked above
             neutral=flag(config, "neutral"),
+            reconstructor=path_if_any(config.reconstructor, "reconstructor"),
         )
 
     def describe(self) -> dict[str, Any]:
         """Return what decides about a photograph besides its bytes, in plain values."""
-        return asdict(self)
+        network = self.network and self.network.sha256
+        return {**asdict(self), "reconstructor": network}
 
     def look(
         self,
@@ -157,12 +175,14 @@ class Intake:
             return _refused("size", why)
         places = tuple((round(float(x), 3), round(float(y), 3)) for x, y in five)
         kept: Kept = "neutral" if self.neutral else "photograph"
-        somebody = Photographed(str(source), sha256, places, self.hair, kept)
+        network = self.network
+        somebody = Photographed(str(source), sha256, places, self.hair, kept, reconstructor=network)
         made = somebody.reconstruction(Rendering().texture_size)
         person = {
             "five_px": [list(place) for place in places],
             "hair": self.hair,
             "expression": kept,
+            "reconstructor": network and network._asdict(),
             "quality": asdict(made.quality),
         }
         refusal = self.filters.refusal(made.quality)

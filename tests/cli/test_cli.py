@@ -57,6 +57,8 @@ def test_cfg_job_prints_the_configuration_from_an_empty_folder(
         (["train", "sr=srcnn2x", "degradation=photographs"], "for recognition=arcface"),
         (["train", "sr=srcnn2x", "degradation=none", "camera=webcam"], "only degradation=camera"),
         (["train", "sr=srcnn2x", "degradation=best"], "degradation=best"),
+        (["calibrate-reconstructor"], "model"),
+        (["calibrate-reconstructor", "model=theirs.onnx"], "theirs.onnx is missing"),
         (["eval", "experiment=training_study"], "runs must be given"),
         (["eval", "experiment=training_study", "runs=x", "sr.a.weights=b"], "does not read it"),
         (["render"], "out"),

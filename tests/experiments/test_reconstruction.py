@@ -1,6 +1,7 @@
 import csv
 import json
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,10 @@ from skimage.data import astronaut
 from lrsr.errors import InputError
 from lrsr.experiments.intake import Intake
 from lrsr.experiments.reconstruction import Reconstructing
-from lrsr.identities.photographs.person import Photographed
+from lrsr.identities.photographs.person import Network, Photographed, read_photographed
 from lrsr.identities.photographs.quality import Filters, Quality
+from lrsr.identities.photographs.reconstructor import Reconstructor
+from lrsr.paths import asset
 from lrsr.pictures.cache import RenderCache
 from lrsr.recognition.detection.detector import Detector
 from lrsr.recognition.detection.portrait import portrait_faces
@@ -147,6 +150,25 @@ def test_a_wrong_setting_is_named(setting: str, says: str) -> None:
         Reconstructing.from_config(composed("reconstruct", "images=.", "out=x", setting))
 
 
+def test_another_network_must_have_been_calibrated(tmp_path: Path) -> None:
+    shipped, theirs = asset("landmarkers/face_landmark.onnx"), tmp_path / "theirs.onnx"
+    theirs.write_bytes(shipped.read_bytes())
+    theirs.with_suffix(".toml").write_text(shipped.with_suffix(".toml").read_text())
+    config = composed("reconstruct", "images=.", "out=x", f"reconstructor={theirs}")
+    with pytest.raises(InputError, match=r"theirs.npz is missing: lrsr calibrate-reconstructor"):
+        Reconstructing.from_config(config)
+
+
+@pytest.mark.usefixtures("quickly")
+def test_people_know_which_network_found_them(folder: Path, tmp_path: Path) -> None:
+    shipped, theirs = asset("landmarkers/face_landmark.onnx"), tmp_path / "theirs.onnx"
+    for part in (".onnx", ".toml", ".npz"):
+        theirs.with_suffix(part).write_bytes(shipped.with_suffix(part).read_bytes())
+    run(folder / "a.png", tmp_path / "out", FakeMaker(), reconstructor=theirs)
+    (person,) = read_photographed(tmp_path / "out")
+    assert person.reconstructor == Network(str(theirs), Reconstructor(theirs).digest)
+
+
 def test_the_configuration_has_every_filter() -> None:
     asked = Reconstructing.from_config(composed("reconstruct", "images=.", "out=x"))
     assert None not in vars(asked.intake.filters).values()
@@ -163,6 +185,7 @@ GOOD = Quality(60.0, 1.0, 2.0, -3.0, 1.0, 1.0, 1.5, 0.8, 40.0, 0.6, 0.1, (0.0, 0
         ({"most_bridge_edge": 39.0}, "glasses"),
         ({"most_residual_mm": 1.0}, "fit"),
         ({"least_seen": 0.7}, "fit"),
+        ({"least_score": 1.1}, "face"),
     ],
 )
 def test_each_filter_refuses_beyond_its_limit(limit: dict[str, float], which: str) -> None:
@@ -171,6 +194,10 @@ def test_each_filter_refuses_beyond_its_limit(limit: dict[str, float], which: st
     assert refusal[0] == which
     assert next(iter(limit)) in refusal[1]
     assert Filters().refusal(GOOD) is None
+
+
+def test_a_network_without_a_score_refuses_nobody_by_it() -> None:
+    assert Filters(least_score=0.5).refusal(replace(GOOD, score=None)) is None
 
 
 def test_a_picture_is_turned_as_its_exif_says_and_cmyk_is_read(tmp_path: Path) -> None:

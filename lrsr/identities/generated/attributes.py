@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.identities.face.resting import acting_skin, place_face
-from lrsr.identities.photographs.fit import shared_fitter
-from lrsr.identities.photographs.landmarker import Landmarker
 from lrsr.identities.photographs.light import estimate_shading
 from lrsr.identities.photographs.picture_file import Photograph
+from lrsr.identities.photographs.reconstructor import shared_reconstructor
 from lrsr.identities.photographs.shot import Depths, Mesh, Texels, take_shot
 from lrsr.identities.photographs.zones import zones
 from lrsr.identities.shape.basis import load_basis
@@ -31,13 +30,12 @@ class AttributeMeter:
 
     def __init__(self) -> None:
         surface = load_basis().surface
-        self._landmarker = Landmarker()
         self._raster = cover(surface.uv, surface.faces, _TEXELS)
 
     def __call__(self, photograph: Photograph) -> dict[str, float]:
         """Measure a face; of light there is NaN where too little skin is seen."""
-        found = self._landmarker(photograph.srgb, photograph.five_px)
-        fit = shared_fitter()(found.points_px)
+        found = shared_reconstructor()(photograph.srgb, photograph.five_px)
+        fit = found.fit
         face = place_face(fit.rest)
         seen = fit.perspective.moved_axes(face.rotation, face.origin)
         shot = take_shot(photograph.srgb, seen, found.points_px, face.eyes.pupils)

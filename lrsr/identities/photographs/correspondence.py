@@ -1,22 +1,22 @@
-"""Which vertex of our skin is a point of the landmark network, and how wrong is it there?
+"""Which vertices of our skin are the points of a landmark network, and how wrong is it there?
 
-``lrsr/assets/landmark_correspondence.npz`` is measured on rendered people whose vertices are known,
-by ``python -m lrsr.calibration.landmark_correspondence``: it belongs to one network, the one whose
-checksum it carries.
+It is measured on rendered people whose vertices are known, by ``lrsr calibrate-reconstructor``,
+and lies beside the network, ``face.npz`` beside ``face.onnx``: it belongs to one network, the one
+whose checksum it carries.
 """
 
 import json
+import zipfile
 from dataclasses import dataclass
-from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.paths import asset
+from lrsr.errors import InputError
 
 Points = NDArray[np.float64]
 
-ASSET_NAME = "landmark_correspondence.npz"
 _UNIT_MM = 0.01
 """Bias and components are stored as whole numbers of these."""
 
@@ -29,6 +29,7 @@ class Correspondence:
     picture's right and y up.
 
     Attributes:
+        points: ``(N,)`` which of the network's points these are.
         vertices: ``(N,)`` render vertices.
         bias_mm: ``(N, 2)`` mean of what is found less what is true.
         components_mm: ``(c, N, 2)`` of one standard deviation each: how points err together.
@@ -36,6 +37,7 @@ class Correspondence:
         network: SHA-256 of the network's file.
     """
 
+    points: NDArray[np.int64]
     vertices: NDArray[np.int64]
     bias_mm: Points
     components_mm: Points
@@ -43,7 +45,7 @@ class Correspondence:
     network: str
 
     def arrays(self, made_by: str) -> dict[str, NDArray[np.generic]]:
-        """Return what the asset holds.
+        """Return what the file holds.
 
         Args:
             made_by: Command and inputs, for its provenance.
@@ -51,6 +53,7 @@ class Correspondence:
         told = {"network": self.network, "licence": "CC0-1.0", "made_by": made_by}
         return {
             "provenance": np.array(json.dumps(told)),
+            "points": self.points.astype(np.uint32),
             "vertices": self.vertices.astype(np.uint16),
             "bias": np.rint(self.bias_mm / _UNIT_MM).astype(np.int16),
             "components": np.rint(self.components_mm / _UNIT_MM).astype(np.int16),
@@ -74,19 +77,37 @@ def tip_of(rotation: Points) -> Points:
     return np.array([[cosine, sine], [-sine, cosine]])
 
 
-@lru_cache(maxsize=1)
-def load_correspondence() -> Correspondence:
-    """Read what ships with the package; later calls are free.
+def correspondence_path(model: Path) -> Path:
+    """Return where the correspondence of ``model`` lies: the same name, ending in ``.npz``."""
+    return model.with_suffix(".npz")
+
+
+def read_correspondence(model: Path, network: str) -> Correspondence:
+    """Read what lies beside a network.
+
+    Args:
+        model: Its ONNX file.
+        network: SHA-256 of that.
 
     Raises:
-        InputError: The file is missing.
+        InputError: There is no such file, it holds something else, or it is another network's.
     """
-    with np.load(asset(ASSET_NAME), allow_pickle=False) as archive:
-        raw = dict(archive)
-    return Correspondence(
-        vertices=raw["vertices"].astype(np.int64),
-        bias_mm=raw["bias"] * _UNIT_MM,
-        components_mm=raw["components"] * _UNIT_MM,
-        rest_mm=float(raw["rest_mm"]),
-        network=json.loads(str(raw["provenance"]))["network"],
-    )
+    path, remedy = correspondence_path(model), f"lrsr calibrate-reconstructor model={model}"
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+            raw = dict(archive)
+        found = Correspondence(
+            points=raw["points"].astype(np.int64),
+            vertices=raw["vertices"].astype(np.int64),
+            bias_mm=raw["bias"] * _UNIT_MM,
+            components_mm=raw["components"] * _UNIT_MM,
+            rest_mm=float(raw["rest_mm"]),
+            network=json.loads(str(raw["provenance"]))["network"],
+        )
+    except FileNotFoundError as error:
+        raise InputError(f"{path} is missing: {remedy} writes it") from error
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path} is no calibration: {remedy} writes another") from error
+    if found.network != network:
+        raise InputError(f"{path} is that of another network than {model}: {remedy}")
+    return found

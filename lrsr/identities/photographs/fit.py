@@ -8,14 +8,13 @@ itself, a little widened; face units stay between 0 and 1.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from lrsr.identities.face.eyes import find_eyes
-from lrsr.identities.photographs.correspondence import load_correspondence, tip_of
+from lrsr.identities.photographs.correspondence import Correspondence, tip_of
 from lrsr.identities.photographs.perspective import Perspective
 from lrsr.identities.photographs.space import load_space
 from lrsr.identities.shape.basis import load_basis
@@ -81,10 +80,14 @@ class _State:
 
 
 class FaceFitter:
-    """Fits faces to the points of one network."""
+    """Fits faces to the points of one network.
 
-    def __init__(self) -> None:
-        basis, self.space, noise = load_basis(), load_space(), load_correspondence()
+    Args:
+        noise: Where its points are on our mesh, and how wrong it is.
+    """
+
+    def __init__(self, noise: Correspondence) -> None:
+        basis, self.space = load_basis(), load_space()
         directions = self.space.directions
         base = basis.shape(self.space.mean)
         self.origin = find_eyes(basis, base).pupils.mean(axis=0)
@@ -106,7 +109,7 @@ class FaceFitter:
         """Fit a face.
 
         Args:
-            points_px: ``(N, 2)`` (x, y) of the network's points on the picture.
+            points_px: ``(N, 2)`` (x, y) of the correspondence's points on the picture.
         """
         found = points_px * [1, -1]
         state, trust = self._start(found), np.ones(len(found))
@@ -194,12 +197,6 @@ class FaceFitter:
             residual_mm=error,
             strangeness=float(np.sqrt(np.mean(shapes**2))),
         )
-
-
-@lru_cache(maxsize=1)
-def shared_fitter() -> FaceFitter:
-    """Return the fitter of the network that ships; later calls are free."""
-    return FaceFitter()
 
 
 def _moved(state: _State, step: Points) -> _State:

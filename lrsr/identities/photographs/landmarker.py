@@ -1,5 +1,6 @@
-"""Where are the points of a face on a photograph? A network of 468 of them, from five.
+"""Where are the points of a face on a photograph? A network finds them, from five.
 
+It returns a list of landmarks, or a map each texel of which is one, such as PRNet's position map.
 ``face.onnx`` needs ``face.toml``::
 
     sha256 = "…"                # of face.onnx
@@ -7,19 +8,29 @@
     source = "mediapipe 0.10.21"
 
     [input]
-    channels = "RGB"            # the network sees (N, 3, size, size) in [0, 1]
-    size_px = 192
+    channels = "RGB"            # or "BGR"
+    size_px = 192               # of the square crop
+    layout = "NCHW"             # or "NHWC"; may be left out, as the next two
+    mean = 0                    # the network sees (255 srgb - mean) / scale, each a number or
+    scale = 255                 # three, in the order of `channels`
 
     [output]
-    points = "points"           # the output with x, y, z of each point, px of the crop
-    score = "score"             # and the one with the logit of "this is a face"
-    mirror = [0, …]             # which point each one becomes in a mirror; as many as there are
+    points = "points"           # the output with x, y, z of each point; z is not read
+    shape = [256, 256, 3]       # of it for one picture: a map, or [3, 256, 256]; not for a list
+    unit_px = 1.0               # px of the crop that 1 of it means; may be left out
+    score = "score"             # the output with the logit of "this is a face", if there is one
+    mirror = [0, …]             # which point each one becomes in a mirror, if that is known, or of
+    symmetric = true            # a map: its columns from right to left
 
     [crop]
-    level = [33, 263]           # the points whose line the crop is turned by
-    side = 1.5                  # of the crop, times the longer side of the points' box
+    side = 1.5                  # of the crop, times the longer side of the face's box
+    shift = 0.0                 # how much lower its middle is than the box's, in the same unit
+    box = "points"              # of the network's own points, in rounds (as MediaPipe's
+                                # landmarks_to_roi), or "five": about the five points, once
+    level = [33, 263]           # the points whose line the crop is turned by; not given: the eyes
 
-The crop follows from the points (as MediaPipe's ``landmarks_to_roi``), so it is found in rounds.
+The box about the five points is a square of 2.6 times the longer of: eyes to mouth, 0.9 times eye
+to eye. Its middle is midway between eyes and mouth.
 """
 
 from dataclasses import dataclass
@@ -29,24 +40,29 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lrsr.configuration import require
+from lrsr.errors import InputError
 from lrsr.identities.photographs.crop import Crop
-from lrsr.onnx import open_session, read_declared, run_lists
+from lrsr.onnx import PerChannel, open_session, read_declared, run_lists
 from lrsr.paths import asset
 
 Points = NDArray[np.float64]
 
-_SHIPPED = "landmarkers/face_landmark.onnx"
+SHIPPED = "landmarkers/face_landmark.onnx"
 """MediaPipe's; licence and origin lie beside it."""
 _ROUNDS = 3
-_FIRST_SIDE = 3.9
-"""Side of the first crop, times the longer of: eyes to mouth, 0.9 times eye to eye."""
+_BOX_SIDE = 2.6
+"""Side of the box about five points, times the longer of: eyes to mouth, 0.9 times eye to eye."""
 _EYES_TO_MOUTH = 0.9
-
 _TABLES = {
     "": ("sha256", "licence", "source"),
-    "input": ("channels", "size_px"),
-    "output": ("points", "score", "mirror"),
-    "crop": ("level", "side"),
+    "input": ("channels", "size_px", "layout", "mean", "scale"),
+    "output": ("points", "shape", "unit_px", "score", "mirror", "symmetric"),
+    "crop": ("side", "shift", "box", "level"),
+}
+_CHOICES = {
+    "input.channels": ("RGB", "BGR"),
+    "input.layout": ("NCHW", "NHWC"),
+    "crop.box": ("points", "five"),
 }
 
 
@@ -60,10 +76,43 @@ class _LandmarkerContract:
     channels: str
     size_px: int
     points: str
-    score: str
-    mirror: tuple[int, ...]
-    level: tuple[int, ...]
     side: float
+    layout: str = "NCHW"
+    mean: PerChannel = 0.0
+    scale: PerChannel = 255.0
+    shape: tuple[int, ...] = ()
+    unit_px: float = 1.0
+    score: str = ""
+    mirror: tuple[int, ...] = ()
+    symmetric: bool = False
+    shift: float = 0.0
+    box: str = "points"
+    level: tuple[int, ...] = ()
+
+    def mirrored(self) -> NDArray[np.int64]:
+        """Return which point each one becomes in a mirror; empty: nobody knows."""
+        if not self.symmetric:
+            return np.array(self.mirror, dtype=np.int64)
+        map_shape = self.shape[:2] if self.shape[-1] == 3 else self.shape[1:]
+        return np.arange(np.prod(map_shape)).reshape(map_shape)[:, ::-1].ravel()
+
+    def read(self, raw: NDArray[np.float32]) -> Points:
+        """Return the points ``(B, N, 2)``, px of the crop, of what the network returned ``(B, …)``.
+
+        Raises:
+            ValueError: It is of another size.
+        """
+        each = raw.reshape(len(raw), *(self.shape or (-1, 3)))
+        last = each if each.shape[-1] == 3 else np.moveaxis(each, 1, -1)
+        return self.unit_px * last.reshape(len(raw), -1, 3)[..., :2].astype(np.float64)
+
+    def prepare(self, crops: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Turn srgb ``(B, size, size, 3)``, [0, 1], into what the network takes."""
+        seen = crops[..., ::-1] if self.channels == "BGR" else crops
+        mean, scale = np.asarray(self.mean), np.asarray(self.scale)
+        values = seen * (255 / scale).astype(np.float32) - (mean / scale).astype(np.float32)
+        moved = values.transpose(0, 3, 1, 2) if self.layout == "NCHW" else values
+        return np.ascontiguousarray(moved, dtype=np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +121,11 @@ class Landmarks:
 
     Attributes:
         points_px: ``(N, 2)`` (x, y).
-        score: How sure the network is that this is a face, [0, 1].
+        score: How sure the network is that this is a face, [0, 1]; None: it does not say.
     """
 
     points_px: Points
-    score: float
+    score: float | None
 
 
 class Landmarker:
@@ -91,58 +140,81 @@ class Landmarker:
     """
 
     def __init__(self, model: Path | None = None) -> None:
-        self.model = model or asset(_SHIPPED)
+        self.model = model or asset(SHIPPED)
         self.contract = _read_landmarker_contract(self.model)
         self._session = open_session(self.model)
-        self._mirror = np.array(self.contract.mirror)
+        self._mirror = self.contract.mirrored()
 
     def __call__(self, image: NDArray[np.float32], five_px: ArrayLike) -> Landmarks:
-        """Find the points; what is found in the mirrored crop counts as much.
+        """Find the points; what is found in the mirrored crop counts as much, where it is known.
 
         Args:
             image: ``(H, W, 3)`` float32, srgb, [0, 1].
             five_px: ``(5, 2)`` eyes, nose and corners of the mouth, as a detector finds them.
 
         Raises:
-            InputError: The network cannot take such a crop.
+            InputError: The network cannot take such a crop, or returns what its contract does not
+                say.
         """
-        crop = self._first_crop(np.asarray(five_px, dtype=np.float64))
-        for _ in range(_ROUNDS):
+        five = np.asarray(five_px, dtype=np.float64)
+        crop = self._first_crop(five)
+        for _ in range(_ROUNDS if self.contract.box == "points" else 1):
             points, score = self._look(crop.take(image))
             found = crop.back(points)
-            crop = self._next_crop(found)
+            crop = self._next_crop(found, crop.angle_rad)
         return Landmarks(found, score)
 
-    def _look(self, crop: NDArray[np.float32]) -> tuple[Points, float]:
-        """Return the points of a crop ``(N, 2)`` and their score."""
-        both = np.stack([crop, crop[:, ::-1]]).transpose(0, 3, 1, 2)
-        names = [self.contract.points, self.contract.score]
-        batch = np.ascontiguousarray(both)
-        lists, scores = run_lists(self._session, self.model, batch, names, batch_size=2)
-        seen, mirrored = lists.reshape(2, -1, 3)[..., :2].astype(np.float64)
-        mirrored = mirrored[self._mirror]
-        mirrored[:, 0] = self.contract.size_px - 1 - mirrored[:, 0]
-        logit = float(scores[0].ravel()[0])
-        return (seen + mirrored) / 2, 1 / (1 + float(np.exp(-logit)))
+    def _look(self, crop: NDArray[np.float32]) -> tuple[Points, float | None]:
+        """Return the points of a crop ``(N, 2)`` and their score.
+
+        Raises:
+            InputError: See :meth:`__call__`.
+        """
+        contract, known = self.contract, len(self._mirror) > 0
+        crops = np.stack([crop, crop[:, ::-1]] if known else [crop])
+        names = [name for name in (contract.points, contract.score) if name]
+        batch = contract.prepare(crops)
+        raw, *scores = run_lists(self._session, self.model, batch, names, batch_size=len(crops))
+        try:
+            points, *mirrored = contract.read(raw)
+            for other in mirrored:
+                turned = other[self._mirror]
+                turned[:, 0] = contract.size_px - 1 - turned[:, 0]
+                points = (points + turned) / 2
+        except (ValueError, IndexError) as error:
+            raise InputError(
+                f"{self.model}: output {contract.points} has {raw[0].size} numbers, which its"
+                " contract's shape and mirror do not fit; mend the contract"
+            ) from error
+        logits = [float(one[0].ravel()[0]) for one in scores]
+        return points, 1 / (1 + float(np.exp(-logits[0]))) if logits else None
 
     def _first_crop(self, five: Points) -> Crop:
         eyes, mouth = five[:2].mean(axis=0), five[3:].mean(axis=0)
         across = five[1] - five[0]
         reach = max(np.linalg.norm(mouth - eyes), _EYES_TO_MOUTH * np.linalg.norm(across))
-        x, y = (eyes + mouth) / 2
         turned = float(np.arctan2(across[1], across[0]))
-        return Crop((float(x), float(y)), _FIRST_SIDE * float(reach), turned, self.contract.size_px)
+        return self._crop((eyes + mouth) / 2, _BOX_SIDE * float(reach), turned)
 
-    def _next_crop(self, points: Points) -> Crop:
-        first, second = self.contract.level
-        across = points[second] - points[first]
-        angle = float(np.arctan2(across[1], across[0]))
-        axes = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    def _next_crop(self, points: Points, angle: float) -> Crop:
+        if self.contract.level:
+            first, second = self.contract.level
+            across = points[second] - points[first]
+            angle = float(np.arctan2(across[1], across[0]))
+        axes = _axes(angle)
         turned = points @ axes
         low, high = turned.min(axis=0), turned.max(axis=0)
-        x, y = axes @ ((low + high) / 2)
-        side = self.contract.side * float((high - low).max())
-        return Crop((float(x), float(y)), side, angle, self.contract.size_px)
+        return self._crop(axes @ ((low + high) / 2), float((high - low).max()), angle)
+
+    def _crop(self, middle: Points, box_px: float, angle: float) -> Crop:
+        x, y = middle + _axes(angle) @ [0.0, self.contract.shift * box_px]
+        return Crop((float(x), float(y)), self.contract.side * box_px, angle, self.contract.size_px)
+
+
+def _axes(angle: float) -> Points:
+    """Return the directions of a turned crop's rows and columns, as columns ``(2, 2)``."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.array([[cosine, -sine], [sine, cosine]])
 
 
 def _read_landmarker_contract(model: Path) -> _LandmarkerContract:
@@ -152,13 +224,22 @@ def _read_landmarker_contract(model: Path) -> _LandmarkerContract:
         InputError: Model or contract is missing or unreadable; a field is missing, unknown or out
             of range; or the model is not the one that the contract was written for.
     """
-    contract = read_declared(_LandmarkerContract, model, _TABLES, {"input.channels": ("RGB",)})
+    contract = read_declared(_LandmarkerContract, model, _TABLES, _CHOICES)
+    shape, symmetric = contract.shape, contract.symmetric
+    is_map = len(shape) == 3 and min(shape) > 0 and 3 in (shape[0], shape[-1])
+    wish = "a map, [rows, columns, 3] or [3, rows, columns]"
+    require(is_map or not (shape or symmetric), "output.shape", [*shape], wish)
+    require(not (symmetric and contract.mirror), "output.mirror", "given", "none with symmetric")
     count = len(contract.mirror)
-    mirror = np.array(contract.mirror)
+    mirror = np.array(contract.mirror, dtype=np.int64)
     involution = sorted(contract.mirror) == list(range(count)) and (mirror[mirror] == range(count))
     require(bool(np.all(involution)), "output.mirror", f"{count} numbers", "an involution")
-    level = len(contract.level) == 2 and all(0 <= point < count for point in contract.level)
-    require(level, "crop.level", [*contract.level], f"two points, 0 to {count - 1}")
-    require(contract.side > 0, "crop.side", contract.side, "above 0")
+    last = count - 1 if count else np.prod(shape or (2**31,)) // 3 - 1
+    level = len(contract.level) in (0, 2) and all(0 <= point <= last for point in contract.level)
+    require(level, "crop.level", [*contract.level], f"two points, 0 to {last}")
+    for name in ("crop.side", "output.unit_px"):
+        value = getattr(contract, name.partition(".")[2])
+        require(value > 0, name, value, "above 0")
+    require(bool(np.min(contract.scale) > 0), "input.scale", contract.scale, "above 0")
     require(contract.size_px >= 16, "input.size_px", contract.size_px, "at least 16")
     return contract

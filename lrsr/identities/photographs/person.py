@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -36,6 +36,13 @@ _WORN = ("name", "day", "glasses", "cap", "face_mask")
 Five = tuple[tuple[float, float], ...]
 
 
+class Network(NamedTuple):
+    """A reconstructor of the user's: its ONNX file, and the checksum of all that belongs to it."""
+
+    file: str
+    sha256: str
+
+
 @dataclass(frozen=True)
 class Photographed:
     """Somebody on a photograph.
@@ -48,6 +55,7 @@ class Photographed:
         expression: The "photograph"'s or "neutral".
         who: Their name; empty: they are called after the picture.
         others: Further photographs of the same person.
+        reconstructor: The network that finds the face; None: the one that ships.
     """
 
     file: str
@@ -55,6 +63,7 @@ class Photographed:
     five_px: Five
     hair: Hair = "painted"
     expression: Kept = "photograph"
+    reconstructor: Network | None = None
     who: str = ""
     others: "tuple[Photographed, ...]" = ()
 
@@ -96,7 +105,7 @@ class Photographed:
             "hair": self.hair,
             "expression": self.expression,
             "version": PHOTOGRAPHS_VERSION,
-        }
+        } | ({"reconstructor": self.reconstructor.sha256} if self.reconstructor else {})
 
     def reconstruction(self, texture_size: int) -> "Reconstruction":
         """Reconstruct this person; those of the last two are kept.
@@ -105,7 +114,8 @@ class Photographed:
             texture_size: Of the skin's albedo, px.
 
         Raises:
-            InputError: The picture is missing or was changed, or shows no face that can be fitted.
+            InputError: The picture or the network is missing or was changed, or no face can be
+                fitted.
         """
         return _reconstructed(self, texture_size)
 
@@ -144,6 +154,7 @@ def _reconstructed(person: Photographed, texture_size: int) -> "Reconstruction":
     """
     from lrsr.identities.photographs.picture_file import decode, frame
     from lrsr.identities.photographs.reconstruct import reconstruct
+    from lrsr.identities.photographs.reconstructor import shared_reconstructor
 
     try:
         content = Path(person.file).read_bytes()
@@ -152,9 +163,14 @@ def _reconstructed(person: Photographed, texture_size: int) -> "Reconstruction":
         raise InputError(f"cannot read {person.file}: {why}; put it back") from error
     if hashlib.sha256(content).hexdigest() != person.sha256:
         raise InputError(f"{person.file} was changed: run lrsr reconstruct again")
+    network = person.reconstructor
+    reconstructor = shared_reconstructor(Path(network.file) if network else None)
+    if network and reconstructor.digest != network.sha256:
+        raise InputError(f"{network.file} was changed: run lrsr reconstruct again")
     photograph = frame(decode(content, person.file), np.array(person.five_px))
     return reconstruct(
         photograph,
+        reconstructor=reconstructor,
         texture_size=texture_size,
         hair=person.hair,
         kept=person.expression,
@@ -209,4 +225,9 @@ def photographed_from(told: Mapping[str, Any]) -> Photographed:
         hair=cast("Hair", told["hair"]),
         expression=cast("Kept", told["expression"]),
         who=str(told["who"]),
+        reconstructor=_network(told.get("reconstructor")),
     )
+
+
+def _network(told: dict[str, str] | None) -> Network | None:
+    return None if told is None else Network(str(told["file"]), str(told["sha256"]))

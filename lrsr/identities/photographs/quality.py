@@ -29,7 +29,7 @@ class Quality:
 
     Attributes:
         ipd_px: Between the pupils, on the photograph.
-        score: How sure the landmark network is, [0, 1].
+        score: How sure the landmark network is, [0, 1]; None: it does not say, nor refuse.
         yaw_deg: As :class:`lrsr.rendering.pose.Pose`, as the next two; the fit errs by about 2, 5
             and 1 degree.
         pitch_deg: See above.
@@ -44,7 +44,7 @@ class Quality:
     """
 
     ipd_px: float
-    score: float
+    score: float | None
     yaw_deg: float
     pitch_deg: float
     roll_deg: float
@@ -104,6 +104,8 @@ class Filters:
             "seen": ("fit", quality.seen, "hidden but for a share of {:.2f}"),
         }
         for name, (which, value, words) in measures.items():
+            if value is None:
+                continue
             least = getattr(self, f"least_{name}", None)
             most = getattr(self, f"most_{name}", None)
             if least is not None and not value >= least:
@@ -118,7 +120,7 @@ def bridge_edge(srgb: Map, points_px: NDArray[np.float64]) -> float:
 
     Args:
         srgb: ``(H, W, 3)`` float32, [0, 1].
-        points_px: ``(N, 2)`` of the landmark network.
+        points_px: ``(N, 2)`` of the landmark network that ships.
     """
     left, right = (points_px[list(corners)].mean(axis=0) for corners in EYES)
     cosine, sine = (right - left) / _IPD_PX

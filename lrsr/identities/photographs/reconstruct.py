@@ -26,14 +26,14 @@ from lrsr.identities.hair.styles import style_parameters
 from lrsr.identities.head import Head, Part
 from lrsr.identities.photographs.choices import Hair, Kept
 from lrsr.identities.photographs.eyes import photographed_eye
-from lrsr.identities.photographs.fit import Fit, shared_fitter
+from lrsr.identities.photographs.fit import Fit
 from lrsr.identities.photographs.foreground import find_person
 from lrsr.identities.photographs.hair import paint_hair
 from lrsr.identities.photographs.irises import IrisFinder, gazes_through
-from lrsr.identities.photographs.landmarker import Landmarker
 from lrsr.identities.photographs.outlines import FACE, LIP_GAP, filled
 from lrsr.identities.photographs.picture_file import Photograph
 from lrsr.identities.photographs.quality import Quality, bridge_edge
+from lrsr.identities.photographs.reconstructor import Reconstructor, shared_reconstructor
 from lrsr.identities.photographs.shot import Mesh, Shot, take_shot
 from lrsr.identities.photographs.skin import paint_photographed, plain_maps
 from lrsr.identities.shape.basis import load_basis
@@ -127,7 +127,7 @@ class Reconstruction:
 def reconstruct(
     photograph: Photograph,
     *,
-    landmarker: Landmarker | None = None,
+    reconstructor: Reconstructor | None = None,
     texture_size: int = 1024,
     hair: Hair = "painted",
     kept: Kept = "photograph",
@@ -136,7 +136,7 @@ def reconstruct(
 
     Args:
         photograph: Of :func:`lrsr.identities.photographs.picture_file.frame`.
-        landmarker: The network; the one that ships when None.
+        reconstructor: The network that finds the face; the one that ships when None.
         texture_size: Rows and columns of the skin's texture, >= 64.
         hair: "painted" on the skull, or "none": a face in a void.
         kept: The "photograph"'s expression, or a "neutral" one.
@@ -145,8 +145,8 @@ def reconstruct(
         InputError: No cheeks or nose are seen where the face was fitted.
     """
     srgb = photograph.srgb
-    found = (landmarker or _shared_landmarker())(srgb, photograph.five_px)
-    fit = shared_fitter()(found.points_px)
+    found = (reconstructor or shared_reconstructor())(srgb, photograph.five_px)
+    fit = found.fit
     pupils_px = _shared_iris_finder()(srgb, found.points_px)
     eyes_at_rest = find_eyes(load_basis(), load_basis().shape(fit.rest))
     face = place_face(fit.rest, gazes_through(eyes_at_rest, fit.perspective, pupils_px))
@@ -189,12 +189,6 @@ def reconstruct(
         tint=painted.tint,
     )
     return Reconstruction(fit, measured, face, albedo, (eyes[0], eyes[1]), parted, kept)
-
-
-@lru_cache(maxsize=1)
-def _shared_landmarker() -> Landmarker:
-    """Return the network that ships; later calls are free."""
-    return Landmarker()
 
 
 @lru_cache(maxsize=2)

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from lrsr.identities.photographs.correspondence import load_correspondence
-from lrsr.identities.photographs.fit import FaceFitter, Fit, _solve_bounded, shared_fitter
-from lrsr.identities.photographs.landmarker import Landmarker
+from lrsr.identities.photographs.fit import FaceFitter, Fit, _solve_bounded
 from lrsr.identities.photographs.perspective import Perspective
+from lrsr.identities.photographs.reconstructor import shared_reconstructor
 from lrsr.identities.photographs.space import load_space
 from lrsr.identities.shape.basis import load_basis
 from lrsr.rendering.pose import Pose
@@ -17,12 +16,12 @@ POSE = Pose("own", yaw_deg=8.0, pitch_deg=-4.0, roll_deg=11.0)
 
 @pytest.fixture(scope="module")
 def fitter() -> FaceFitter:
-    return shared_fitter()
+    return shared_reconstructor().fitter
 
 
 def points_of(fitter: FaceFitter, shapes: Any, **units: float) -> tuple[Any, Any]:
     """Places of the network's points for a face of the space, and its vertices there."""
-    basis, space, noise = load_basis(), load_space(), load_correspondence()
+    basis, space, noise = load_basis(), load_space(), shared_reconstructor().correspondence
     rest = space.mean + space.components @ shapes
     acting = rest.copy()
     for unit, strength in units.items():
@@ -37,7 +36,7 @@ def points_of(fitter: FaceFitter, shapes: Any, **units: float) -> tuple[Any, Any
 
 
 def flat_error_mm(fit: Fit, truth: Any) -> float:
-    rows = load_basis().surface.matrix[load_correspondence().vertices]
+    rows = load_basis().surface.matrix[shared_reconstructor().correspondence.vertices]
     found = rows @ load_basis().shape(fit.acting).skin
     found, truth = found - found.mean(axis=0), truth - truth.mean(axis=0)
     found = Rotation.align_vectors(truth, found)[0].apply(found)
@@ -82,17 +81,16 @@ def test_bounds_are_met_as_the_conditions_of_optimality_want_it() -> None:
             assert rise * value < 0
 
 
-def test_the_shipped_files_belong_together() -> None:
-    noise = load_correspondence()
-    assert noise.network == Landmarker().contract.sha256
-    assert len(noise.vertices) == len(Landmarker().contract.mirror)
+def test_the_shipped_calibration_is_of_all_points() -> None:
+    count = len(shared_reconstructor().landmarker.contract.mirror)
+    assert shared_reconstructor().correspondence.points.tolist() == list(range(count))
 
 
 def test_mirrored_points_are_mirrored_vertices() -> None:
-    mirror = list(Landmarker().contract.mirror)
+    mirror = list(shared_reconstructor().landmarker.contract.mirror)
     basis = load_basis()
     points = (basis.surface.matrix @ basis.shape(basis.neutral).skin)[
-        load_correspondence().vertices
+        shared_reconstructor().correspondence.vertices
     ]
     apart = np.linalg.norm(points[mirror] * [-1, 1, 1] - points, axis=1)
     assert np.median(apart) < 4.0

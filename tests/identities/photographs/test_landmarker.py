@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +39,7 @@ def test_points_lie_on_the_eyes_nose_and_mouth_that_they_started_from(
     picture: NDArray[np.float32],
 ) -> None:
     found = Landmarker()(picture, FIVE_PX)
+    assert found.score is not None
     assert found.score > 0.99
     eyes = [found.points_px[[33, 133]].mean(axis=0), found.points_px[[362, 263]].mean(axis=0)]
     five = np.array([*eyes, *found.points_px[[4, 61, 291]]])
@@ -60,14 +62,91 @@ def test_a_mirrored_picture_has_mirrored_points(picture: NDArray[np.float32]) ->
         ("side = 1.5", "side = 0", "crop.side=0.0: wanted above 0"),
         ("level = [33, 263]", "level = [33, 468]", "crop.level=.*two points, 0 to 467"),
         ("mirror = [", "mirror = [0, ", "output.mirror=.*an involution"),
-        ('channels = "RGB"', 'channels = "BGR"', "input.channels = 'BGR'; wanted RGB"),
+        ('channels = "RGB"', 'channels = "RBG"', "input.channels = 'RBG'; wanted RGB or BGR"),
+        (
+            "[crop]",
+            "symmetric = true\n[crop]",
+            r"output.shape=\[\]: wanted a map, \[rows, columns, 3\]",
+        ),
+        ("[crop]", "shape = [468, 3]\n[crop]", r"output.shape=\[468, 3\]: wanted a map"),
+        (
+            "[crop]",
+            "shape = [9, 52, 3]\nsymmetric = true\n[crop]",
+            "output.mirror=given: wanted none with symmetric",
+        ),
+        ("[crop]", "unit_px = 0\n[crop]", "output.unit_px=0.0: wanted above 0"),
+        ("[output]", "scale = 0\n[output]", "input.scale=0.0: wanted above 0"),
+        ("[crop]", '[crop]\nbox = "retina"', "crop.box = 'retina'; wanted points or five"),
         ("size_px = 192", "size_px = 8", "input.size_px=8: wanted at least 16"),
     ],
 )
 def test_a_broken_contract_is_refused(tmp_path: Path, old: str, new: str, says: str) -> None:
-    shipped, model = asset("landmarkers/face_landmark.onnx"), tmp_path / "face.onnx"
+    with pytest.raises(InputError, match=says):
+        Landmarker(changed_contract(tmp_path, old, new))
+
+
+def changed_contract(folder: Path, old: str, new: str) -> Path:
+    """The network that ships, under a contract that says something else."""
+    shipped, model = asset("landmarkers/face_landmark.onnx"), folder / "face.onnx"
     model.write_bytes(shipped.read_bytes())
     text = shipped.with_suffix(".toml").read_text()
     model.with_suffix(".toml").write_text(text.replace(old, new))
-    with pytest.raises(InputError, match=says):
-        Landmarker(model)
+    return model
+
+
+def test_what_the_contract_does_not_say_is_refused(
+    tmp_path: Path, picture: NDArray[np.float32]
+) -> None:
+    find = Landmarker(changed_contract(tmp_path, "[crop]", "shape = [9, 50, 3]\n[crop]"))
+    with pytest.raises(InputError, match="output t213 has 1404 numbers, which its contract's"):
+        find(picture, FIVE_PX)
+
+
+def test_channels_layout_and_range_are_those_of_the_contract() -> None:
+    contract = replace(
+        _read_landmarker_contract(asset("landmarkers/face_landmark.onnx")),
+        channels="BGR",
+        layout="NHWC",
+        mean=(10.0, 20.0, 30.0),
+        scale=50.0,
+    )
+    red = np.zeros((1, 4, 4, 3), np.float32)
+    red[..., 0] = 1.0
+    np.testing.assert_allclose(contract.prepare(red)[0, 0, 0], [-0.2, -0.4, 4.5], rtol=1e-6)
+    assert replace(contract, layout="NCHW").prepare(red).shape == (1, 3, 4, 4)
+
+
+def test_the_columns_of_a_symmetric_map_change_places_in_a_mirror() -> None:
+    shipped = _read_landmarker_contract(asset("landmarkers/face_landmark.onnx"))
+    for shape in ((2, 4, 3), (3, 2, 4)):
+        contract = replace(shipped, mirror=(), symmetric=True, shape=shape)
+        assert contract.mirrored().tolist() == [3, 2, 1, 0, 7, 6, 5, 4]
+
+
+def test_the_first_axis_of_a_map_may_be_the_coordinates() -> None:
+    shipped = _read_landmarker_contract(asset("landmarkers/face_landmark.onnx"))
+    raw = np.arange(3 * 2 * 4, dtype=np.float32).reshape(1, 3, 2, 4)
+    points = replace(shipped, shape=(3, 2, 4), unit_px=0.5).read(raw)
+    assert points[0, 5].tolist() == [2.5, 6.5]
+
+
+def test_a_crop_about_the_five_points_is_as_large_and_low_as_the_contract_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, picture: NDArray[np.float32]
+) -> None:
+    find = Landmarker(
+        changed_contract(tmp_path, "side = 1.5", 'side = 2.0\nshift = 0.1\nbox = "five"')
+    )
+    taken: list[Crop] = []
+    take = Crop.take
+
+    def note(crop: Crop, image: NDArray[np.float32]) -> NDArray[np.float32]:
+        taken.append(crop)
+        return take(crop, image)
+
+    monkeypatch.setattr(Crop, "take", note)
+    level = np.array([[80.0, 100], [120, 100], [100, 120], [85, 150], [115, 150]])
+    find(picture, level)
+    (crop,) = taken
+    assert crop.side_px == pytest.approx(2 * 2.6 * 50)
+    assert crop.centre_px == pytest.approx((100, 125 + 0.1 * 2.6 * 50))
+    assert crop.angle_rad == 0

@@ -11,7 +11,7 @@ from skimage.data import astronaut
 from lrsr.errors import InputError
 from lrsr.identities.day.another_day import AnotherDay
 from lrsr.identities.face.expression import NEUTRAL
-from lrsr.identities.photographs.person import Photographed, read_photographed
+from lrsr.identities.photographs.person import Network, Photographed, read_photographed
 from lrsr.identities.roster import IdentityRange
 
 FIVE = ((205.0, 101.0), (247.0, 103.0), (224.0, 129.0), (202.0, 138.0), (244.0, 141.0))
@@ -42,13 +42,23 @@ def test_where_the_file_lies_does_not_count() -> None:
     assert (named.id, named.record(), named.index) == ("ann", here.record(), here.index)
 
 
+def test_the_network_that_found_the_face_counts_by_its_checksum() -> None:
+    usual, other = somebody(), somebody(reconstructor=Network("/a.onnx", "cd"))
+    assert other.record() == {**usual.record(), "reconstructor": "cd"}
+    assert other.record() == somebody(reconstructor=Network("/b.onnx", "cd")).record()
+
+
 def test_a_folder_of_the_command_is_read(tmp_path: Path) -> None:
-    people = [told("1" * 64), told("2" * 64), told("3" * 64)]
+    network = {"file": "/a.onnx", "sha256": "cd"}
+    people = [told("1" * 64), told("2" * 64), told("3" * 64, reconstructor=network)]
     given = folder_of(tmp_path, *people)
     chosen = IdentityRange(photographs=given, start=1, gallery="photograph")
     assert [one.record()["photograph"][0] for one in chosen.people()] == ["2", "3"]
     assert chosen.count == 2
-    assert chosen.people()[0].record()["hair"] == "none"
+    second, third = (one.record() for one in chosen.people())
+    assert second["hair"] == "none"
+    assert "reconstructor" not in second
+    assert third["reconstructor"] == "cd"
 
 
 def test_several_photographs_of_one_person_are_one_identity(tmp_path: Path) -> None:
@@ -121,6 +131,7 @@ def test_choices_that_cannot_be_are_refused(
         ([{"file": "a"}], 2, "is no record of this version"),
         ([told("1" * 64, hair="wig")], 2, "hair=wig: wanted painted or none"),
         ([told("1" * 64, expression="angry")], 2, "expression=angry"),
+        ([told("1" * 64, reconstructor="a.onnx")], 2, "is no record of this version"),
     ],
 )
 def test_what_is_no_record_is_refused(

@@ -50,6 +50,7 @@ def test_the_photograph_measures_as_it_looks(made: Reconstruction) -> None:
     assert abs(quality.yaw_deg) < 8
     assert 0 < quality.roll_deg < 6  # the eye on the right is 2 px of 42 lower
     assert abs(quality.ipd_px - 42) < 1
+    assert quality.score is not None
     assert quality.score > 0.99
     assert quality.bridge_edge < 100
     assert made.parted  # teeth are seen
