@@ -85,7 +85,10 @@ def best_methods(lines: _Records) -> Iterator[str]:
 
 
 def extremes(lines: _Records) -> list[str]:
-    """Return a sentence for each method: where it is best, where worst; none without settings."""
+    """Return a sentence for each method: where it is best, where worst.
+
+    None where settings are not told, or nothing has two of them.
+    """
     names = ("recogniser", "landmarks", "label", "ipd_px")
     several = [name for name in names if len({line[name] for line in lines}) > 1]
     groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
@@ -95,11 +98,14 @@ def extremes(lines: _Records) -> list[str]:
     return [
         _extremes([_part(name, value) for name, value in zip(several, key, strict=True)], some)
         for key, some in groups.items()
+        if len(some) > 1
     ]
 
 
 def _part(name: str, value: Any) -> str:
-    return {"landmarks": f"{value} landmarks", "ipd_px": f"{value} px"}.get(name, str(value))
+    if name == "ipd_px" and value is not None:
+        return f"{value:g} px"
+    return f"{value} landmarks" if name == "landmarks" else str(value)
 
 
 def _extremes(who: Sequence[str], lines: _Records) -> str:

@@ -400,6 +400,14 @@ def test_combinations_have_a_heat_map_a_sheet_and_one_sentence() -> None:
     assert "of 2 differences to pose up 2 remain after Holm's correction" in text
 
 
+def test_where_every_size_has_one_setting_the_best_method_is_named() -> None:
+    results = make_crossed()
+    rows = [row | {"ipd_px": 8.0 + k} for k, row in enumerate(results["rows"])]
+    text = Page(render_html(results | {"rows": rows, "comparisons": []})).text
+    assert "is highest with" not in text
+    assert "Pose left, lighting side, IPD 11 px: the AUC of Base is" in text
+
+
 def test_a_line_names_in_what_its_rival_differs() -> None:
     results = make_crossed()
     lines = report_lines(results["rows"], results["comparisons"])
