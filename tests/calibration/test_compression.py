@@ -64,7 +64,7 @@ def test_where_one_place_is_not_everybody_s_each_tells_its_own(pictures: torch.T
 
 
 def test_walls_among_the_pictures_do_not_undo_what_the_others_show(pictures: torch.Tensor) -> None:
-    walls = torch.full((COUNT + 1, 3, 32, 32), 0.5)
+    walls = torch.full((2 * COUNT, 3, 32, 32), 0.5)
     found = estimate_compression(jpeg(torch.cat([pictures, walls]), 70, origin_px=(3, 4)))
     assert found is not None
     assert (found.quality, [(x % 8, y % 8) for x, y in found.origins_px]) == (70, [(3, 4)])

@@ -51,7 +51,7 @@ def fit() -> Fit:
     strangers = people(2, 50)
     real = shoot(people(1, 40), HIDDEN, seed=1008)
     return fit_camera(
-        real, lambda values, draw: shoot(strangers, values, seed=9 + draw), parameters=TOY, rounds=3
+        real, lambda values, draw: shoot(strangers, values, seed=9 + draw), parameters=TOY, rounds=5
     )
 
 
@@ -147,7 +147,7 @@ def test_steps_are_taken_downhill_and_never_uphill(sign: int) -> None:
 
 
 def test_the_number_of_trials_is_about_what_was_expected(fit: Fit) -> None:
-    expected = fitting.expected_trials(len(TOY), rounds=3)
+    expected = fitting.expected_trials(len(TOY), rounds=5)
     assert 0.5 * expected < fit.trials < 1.2 * expected
 
 

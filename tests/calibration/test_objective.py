@@ -77,7 +77,7 @@ def test_errors_and_misfit_are_those_of_repeated_estimates(pictures: int, others
     # 0.96 and 0.93 standard errors, misfits of 0.88 and 0.85; of the people whom the weights were
     # made from, chance would seem 2.6 times too small with 20.
     away, misfits = [], []
-    for k in range(12):
+    for k in range(30):
         made = Objective(
             walls(TRUE, 1000 + k, pictures),
             lambda values, _, k=k: walls(values, 5000 + k, others),

@@ -86,6 +86,13 @@ def test_identities_says_who_the_people_of_eval_are(capsys: pytest.CaptureFixtur
     assert json.loads((folder / "distribution.json").read_text())["people"] == len(rows) == 3
 
 
+def test_multirun_gives_each_value_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["eval", "-m", "+debug=smoke", "methods=[base]", "level=0.9,0.95"]) == 0
+    folders = [Path(line) for line in capsys.readouterr().out.strip().splitlines()]
+    levels = [json.loads((f / "results.json").read_text())["config"]["level"] for f in folders]
+    assert levels == [0.9, 0.95]
+
+
 def test_train_leaves_weights_that_eval_would_take(capsys: pytest.CaptureFixture[str]) -> None:
     small = ["identities.count=2", "data.views=1", "data.ipd_px=8", "trainer.max_epochs=1"]
     assert main(["train", "sr=srcnn2x", *small, *TINY]) == 0

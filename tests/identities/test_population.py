@@ -20,7 +20,7 @@ from lrsr.identities.population import (
 )
 from lrsr.identities.shape.basis import load_basis
 
-SEEDS = range(6)
+SEEDS = range(12)
 
 
 def test_the_ancestries_are_those_of_the_shape_space() -> None:

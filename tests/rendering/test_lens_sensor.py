@@ -92,7 +92,7 @@ def falls(name: str, slope: float) -> Callable[[np.ndarray], np.ndarray]:
     """Return how bright a film point at a slope is beside the middle, by quadrature."""
     constant = 16 / 2 / slope * AXIS_P1435LE.pitch_um / 1000
     mounted = mount(LENSES[name], constant, FOCUS_MM, 1.5 * slope * constant)
-    grid = (np.arange(121) / 60 - 1) * 1.4 * mounted.pupil_radius_mm
+    grid = (np.arange(201) / 100 - 1) * 1.4 * mounted.pupil_radius_mm
     aims = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
 
     def share(at: float) -> float:
@@ -101,7 +101,7 @@ def falls(name: str, slope: float) -> Callable[[np.ndarray], np.ndarray]:
         square = ((aims - film) ** 2).sum(axis=1) + mounted.pupil_mm**2
         return float((through * mounted.pupil_mm**2 / square**2).sum())
 
-    slopes = np.linspace(0, 1.7 * slope, 25)
+    slopes = np.linspace(0, 1.7 * slope, 40)
     shares = np.array([share(at) for at in slopes])
     return lambda at: np.interp(at, slopes, shares / shares[0])
 

@@ -249,7 +249,7 @@ def wait_for_epochs(process: subprocess.Popen[bytes], folder: Path, count: int) 
 
 
 @without_export
-@pytest.mark.parametrize("network", ["srcnn", pytest.param("arcface", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("network", ["srcnn", "arcface"])
 def test_four_epochs_killed_after_two_end_with_the_same_weights(
     network: str, tmp_path: Path
 ) -> None:
