@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
@@ -195,8 +196,9 @@ def _paint_skin(parameters: Mapping[str, Any], texture_size: int) -> SkinMaps:
     skin, scalp = _painters(texture_size)
     maps = skin.paint(parameters["appearance"], seed)
     albedo = maps.albedo
-    roots = scalp.paint(hair, seed)[..., None]
-    albedo += roots * (mean_colour(hair).astype(np.float32) - albedo)
+    roots = cv2.merge([scalp.paint(hair, seed)] * 3)
+    roots *= np.tile(mean_colour(hair).astype(np.float32), (texture_size, 1)) - albedo
+    albedo += roots
     lining(texture_size).paint(albedo)
     return maps
 

@@ -4,12 +4,13 @@ The lids lie closer to the eye than the mesh can show, with lashes before them: 
 the light is painted as occlusion of contact, and so are the caruncle and the wet margin.
 """
 
-from typing import TypedDict
+from functools import lru_cache
+from typing import NamedTuple, TypedDict
 
 import cv2
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from lrsr.identities.ramp import smoothstep
 
@@ -98,41 +99,68 @@ def paint_eye(
     Returns:
         ``(S, S, 3)`` float32 linear reflectance, [0, 1], laid out as ``EDGE_ANGLE_RAD`` says.
     """
-    angle, azimuth = _polar(texture_size)
+    chart = _chart(texture_size)
     pixel = 2 * _EDGE_ANGLE_RAD / texture_size
-    radius = angle / np.float32(iris["half_angle_rad"])
     soft = pixel / iris["half_angle_rad"]
-    colour = _paint_sclera(iris, angle, azimuth, rng)
-    inside = smoothstep(1.0 + 0.6 * soft + 0.03, 1.0 - 0.6 * soft - 0.05, radius)[..., None]
-    colour = colour + (_paint_iris(iris, radius, azimuth, rng) - colour) * inside
+    colour = _paint_sclera(iris, chart, rng)
+    reach = int((1.1 + 0.6 * soft) * iris["half_angle_rad"] / pixel) + 1
+    middle = slice(max(texture_size // 2 - reach, 0), texture_size // 2 + reach + 1)
+    seen = colour[:, middle, middle]  # beyond the iris nothing of it is painted
+    radius = chart.angle[middle, middle] / np.float32(iris["half_angle_rad"])
+    inside = smoothstep(1.0 + 0.6 * soft + 0.03, 1.0 - 0.6 * soft - 0.05, radius)
+    seen += (_paint_iris(iris, radius, chart.azimuth[middle, middle], rng) - seen) * inside
     share = iris["pupil_share"]
-    pupil = smoothstep(share + 0.7 * soft + 0.01, share - 0.7 * soft - 0.01, radius)[..., None]
-    colour = colour + (np.float32(0.004) - colour) * pupil
+    pupil = smoothstep(share + 0.7 * soft + 0.01, share - 0.7 * soft - 0.01, radius)
+    seen += (np.float32(0.004) - seen) * pupil
     colour = _close_lids(colour, margins, iris["lid_shadow"])
-    return np.asarray(np.clip(colour, 0.0, 1.0), dtype=np.float32)
+    return np.asarray(cv2.merge(list(np.clip(colour, 0.0, 1.0))))
 
 
-def _polar(size: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+class _Chart(NamedTuple):
+    """The texture's own shape, each ``(S, S)`` float32.
+
+    Attributes:
+        angle: From the optical axis, radians.
+        azimuth: Around it, radians.
+        corner: Where blood and fat lie: towards the corners of the lids.
+        rim: Close to the edge.
+        veined: Away from the iris.
+    """
+
+    angle: NDArray[np.float32]
+    azimuth: NDArray[np.float32]
+    corner: NDArray[np.float32]
+    rim: NDArray[np.float32]
+    veined: NDArray[np.float32]
+
+
+@lru_cache(maxsize=2)
+def _chart(size: int) -> _Chart:
     centred = (np.arange(size, dtype=np.float32) + 0.5) / size * 2 - 1
     x, y = np.meshgrid(centred, -centred)
-    return np.hypot(x, y) * np.float32(_EDGE_ANGLE_RAD), np.arctan2(y, x)
-
-
-def _paint_sclera(
-    iris: Iris, angle: NDArray[np.float32], azimuth: NDArray[np.float32], rng: Generator
-) -> NDArray[np.float32]:
-    size = angle.shape[0]
-    white = np.array([0.33, 0.302, 0.283], dtype=np.float32)
-    pink = np.array([0.30, 0.16, 0.135], dtype=np.float32)
-    yellow = np.array([0.32, 0.265, 0.19], dtype=np.float32)
-    # Blood and fat lie towards the corners of the lids, left and right of the iris.
+    angle, azimuth = np.hypot(x, y) * np.float32(_EDGE_ANGLE_RAD), np.arctan2(y, x)
     corner = smoothstep(0.42, 1.05, angle) * (0.35 + 0.65 * np.cos(azimuth) ** 2)
-    rim = smoothstep(0.95, 1.45, angle)
-    redness = np.clip(0.45 * iris["redness"] * corner + 0.55 * rim, 0, 0.85)
-    sclera = white + (yellow - white) * np.float32(0.35 * iris["yellowness"])
-    veins = _draw_veins(size, iris["redness"], rng).astype(np.float32) / 255.0
-    redness = np.clip(redness + 0.5 * veins * smoothstep(0.45, 0.8, angle), 0, 0.9)
-    return np.asarray(sclera + (pink - sclera) * redness[..., None].astype(np.float32))
+    rim, veined = smoothstep(0.95, 1.45, angle), smoothstep(0.45, 0.8, angle)
+    return _Chart(angle, azimuth, corner, rim, veined)
+
+
+def _planes(colour: ArrayLike) -> NDArray[np.float32]:
+    """Shape a colour to be mixed with planes ``(3, H, W)``."""
+    return np.asarray(colour, dtype=np.float32)[:, None, None]
+
+
+_WHITE = _planes([0.33, 0.302, 0.283])
+_PINK = _planes([0.30, 0.16, 0.135])
+_YELLOW = _planes([0.32, 0.265, 0.19])
+
+
+def _paint_sclera(iris: Iris, chart: _Chart, rng: Generator) -> NDArray[np.float32]:
+    """Paint the white of the eye: ``(3, S, S)``."""
+    redness = np.clip(0.45 * iris["redness"] * chart.corner + 0.55 * chart.rim, 0, 0.85)
+    sclera = _WHITE + (_YELLOW - _WHITE) * np.float32(0.35 * iris["yellowness"])
+    veins = _draw_veins(len(redness), iris["redness"], rng).astype(np.float32) / 255.0
+    redness = np.clip(redness + 0.5 * veins * chart.veined, 0, 0.9)
+    return np.asarray(sclera + (_PINK - sclera) * redness)
 
 
 def _draw_veins(size: int, redness: float, rng: Generator) -> NDArray[np.uint8]:
@@ -152,6 +180,7 @@ def _draw_veins(size: int, redness: float, rng: Generator) -> NDArray[np.uint8]:
 def _paint_iris(
     iris: Iris, radius: NDArray[np.float32], azimuth: NDArray[np.float32], rng: Generator
 ) -> NDArray[np.float32]:
+    """Paint the iris: ``(3, H, W)``."""
     middle = np.array(_IRIS_COLOURS[iris["colour"]], dtype=np.float32) * iris["brightness"]
     middle *= np.array([1 + iris["warmth"], 1.0, 1 - iris["warmth"]], dtype=np.float32)
     fibres = _fibres(radius, azimuth, rng)
@@ -159,9 +188,9 @@ def _paint_iris(
     # A warmer collarette around the pupil, lighter in light eyes.
     collarette = np.exp(-(((radius - iris["pupil_share"] - 0.16) / 0.13) ** 2)) * iris["ring"]
     warm = middle * np.array([1.7, 1.25, 0.8], dtype=np.float32)
-    colour = middle + (warm - middle) * collarette[..., None].astype(np.float32)
+    colour = _planes(middle) + _planes(warm - middle) * collarette
     limbus = 1 - iris["limbus"] * smoothstep(0.74, 1.0, radius)
-    return np.asarray(colour * (value * limbus)[..., None].astype(np.float32))
+    return np.asarray(colour * (value * limbus), dtype=np.float32)
 
 
 def _fibres(
@@ -177,15 +206,16 @@ def _fibres(
     return np.asarray(np.clip(0.7 * streaks, -1.6, 1.8), dtype=np.float32)
 
 
-_CARUNCLE = np.array([0.42, 0.20, 0.17], dtype=np.float32)
-_WET_MARGIN = np.array([0.46, 0.27, 0.23], dtype=np.float32)
+_CARUNCLE = _planes([0.42, 0.20, 0.17])
+_WET_MARGIN = _planes([0.46, 0.27, 0.23])
 
 
 def _close_lids(
     colour: NDArray[np.float32], margins: NDArray[np.float64], strength: float
 ) -> NDArray[np.float32]:
-    """Shade the eye below its lids; distances in radians, 0.06 are a millimetre."""
-    centred = (np.arange(colour.shape[0], dtype=np.float32) + 0.5) / colour.shape[0] * 2 - 1
+    """Shade the eye ``(3, S, S)`` below its lids; distances in radians, 0.06 are a millimetre."""
+    size = colour.shape[1]
+    centred = (np.arange(size, dtype=np.float32) + 0.5) / size * 2 - 1
     x, y = centred * _EDGE_ANGLE_RAD, -centred[:, None] * np.float32(_EDGE_ANGLE_RAD)
     inner, outer = float(margins[:, 0, 0].mean()), float(margins[:, -1, 0].mean())
     upper, lower = (
@@ -196,10 +226,10 @@ def _close_lids(
     corner = np.maximum(np.minimum(inwards, np.abs(outer - inner) - inwards), 0.0)
     # The caruncle fills the inner corner, the wet edge of the lower lid lies on the eye.
     flesh = smoothstep(0.20, 0.09, inwards + 0.5 * np.abs(y - 0.5 * (upper + lower)))
-    colour = colour + (_CARUNCLE - colour) * flesh[..., None].astype(np.float32)
+    colour = colour + (_CARUNCLE - colour) * flesh.astype(np.float32)
     wet = 0.75 * smoothstep(0.045, 0.012, above)
-    colour = colour + (_WET_MARGIN - colour) * wet[..., None].astype(np.float32)
+    colour = colour + (_WET_MARGIN - colour) * wet
     shade = 0.56 * np.exp(-below / 0.08) + 0.34 * np.exp(-below / 0.24)
     shade += 0.22 * np.exp(-above / 0.05) + 0.30 * np.exp(-corner / 0.12)
     light = 1 - np.clip(strength * shade, 0.0, 0.88)
-    return np.asarray(colour * light[..., None], dtype=np.float32)
+    return np.asarray(colour * light, dtype=np.float32)

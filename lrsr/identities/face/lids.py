@@ -118,8 +118,11 @@ def _margin(points: Points, eyes: Eyes, lids: Lids, which: int, lid: int) -> Poi
 
 def _even(line: Points) -> Points:
     """Space a line's points evenly; single edges stray, so groups of them are averaged."""
-    groups = np.array_split(line, max(4, len(line) // 4))
-    knots = np.array([line[0], *(group.mean(axis=0) for group in groups), line[-1]])
+    count = max(4, len(line) // 4)
+    size, larger = divmod(len(line), count)  # as numpy.array_split has it
+    sizes = np.where(np.arange(count) < larger, size + 1, size)
+    means = np.add.reduceat(line, np.cumsum(sizes) - sizes, axis=0) / sizes[:, None]
+    knots = np.concatenate([line[:1], means, line[-1:]])
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
     wanted = np.linspace(0.0, along[-1], _MARGIN_POINTS)
     return np.stack([np.interp(wanted, along, knots[:, k]) for k in range(3)], axis=-1)

@@ -185,8 +185,11 @@ def _excess_mm(points: Points, rest: BaseHead) -> float:
     """Tell how far front teeth must go back to stand :data:`_BEHIND_LIPS_MM` behind all lips."""
     points = points[np.abs(points[:, 0]) < _FRONT_TEETH_MM]
     skin = rest.skin[np.linalg.norm(rest.skin - points.mean(axis=0), axis=1) < 2 * _CORNER_MM]
-    apart = np.linalg.norm(points[:, None, :2] - skin[None, :, :2], axis=2)
-    before = np.where(apart < _NEAR_MM, skin[:, 2], -np.inf).max(axis=1) - points[:, 2]
+    low, high = points.min(axis=0) - _NEAR_MM, points.max(axis=0) + _NEAR_MM
+    x, y, z = skin[((skin > low) & (skin < high))[:, :2].all(axis=1)].T
+    squares = (points[:, :1] - x) ** 2 + (points[:, 1:2] - y) ** 2
+    before = np.where(squares < _NEAR_MM**2, z, -np.inf).max(axis=1, initial=-np.inf)
+    before -= points[:, 2]
     return max(0.0, _BEHIND_LIPS_MM - float(before[np.isfinite(before)].min(initial=np.inf)))
 
 

@@ -12,23 +12,23 @@ from scipy.spatial import cKDTree
 
 from lrsr.identities.face.template import template
 from lrsr.identities.gate.coarse import coarse_head
-from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import ROWS
 
-_EVERY_COLUMN = 8
+EVERY_COLUMN = 8
+"""Of so many columns of the hair one is looked at."""
 
 
-def edge_height_mm(hair: NDArray[np.floating], skin: NDArray[np.floating]) -> float:
+def edge_height_mm(shell: NDArray[np.floating], skin: NDArray[np.floating]) -> float:
     """Return the median height over the skin of the hair's edge on the forehead.
 
     Args:
-        hair: ``(N, 3)``, mm: the vertices of the shell, or of all hair, the shell first.
+        shell: ``(n, ROWS or more, 3)``, mm: some of the columns of the hair's shell.
         skin: ``(V, 3)`` render vertices of the skin, mm.
 
     Returns:
         mm; 0 without such an edge.
     """
-    tips = hair[: COLUMNS * ROWS].reshape(COLUMNS, ROWS, 3)[::_EVERY_COLUMN, ::2][:, -1]
+    tips = shell[:, ROWS - 2].astype(np.float32)
     tips = tips[(np.abs(tips[:, 0]) < 55.0) & (tips[:, 1] > 25.0) & (tips[:, 2] > -60.0)]
     if len(tips) <= 3:
         return 0.0

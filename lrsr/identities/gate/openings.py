@@ -53,18 +53,22 @@ def _covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
         >>> _covered(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [9.0, 0.0, 0.0]]), sheet).tolist()
         [True, False, False]
     """
-    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
-    spans = triangles[..., :2]
-    near = ((spans.min(axis=1) <= high) & (spans.max(axis=1) >= low)).all(axis=1)
-    a, b, c = (triangles[near, k] for k in range(3))
+    low, high = triangles[..., :2].min(axis=1), triangles[..., :2].max(axis=1)
+    over = np.ones((len(points), len(triangles)), bool)
+    for axis in (0, 1):
+        at = points[:, axis, None]
+        over &= (low[:, axis] <= at) & (at <= high[:, axis])
+    point, triangle = np.nonzero(over)
+    p, (a, b, c) = points[point], (triangles[triangle, k] for k in range(3))
     total = twice_area(a, b, c)
     total = np.where(np.abs(total) < 1e-12, np.inf, total)
-    p = points[:, None]
     weights = [twice_area(b, c, p) / total, twice_area(c, a, p) / total]
     weights.append(1.0 - weights[0] - weights[1])
     inside = (np.minimum(np.minimum(*weights[:2]), weights[2]) >= 0.0) & np.isfinite(total)
     depth = sum(w * corner[:, 2] for w, corner in zip(weights, (a, b, c), strict=True))
-    return np.asarray((inside & (depth > p[..., 2] + 1e-9)).any(axis=1))
+    covered = np.zeros(len(points), bool)
+    covered[point[inside & (depth > p[:, 2] + 1e-9)]] = True
+    return covered
 
 
 def measure_eyes(skin: Points, eyes: Eyes, iris_rad: float) -> tuple[_EyeOpening, _EyeOpening]:

@@ -25,7 +25,7 @@ from lrsr.identities.gate.anthropometry import (
     z_scores,
 )
 from lrsr.identities.gate.folds import turned_share
-from lrsr.identities.gate.hair_fit import edge_height_mm
+from lrsr.identities.gate.hair_fit import EVERY_COLUMN, edge_height_mm
 from lrsr.identities.gate.intersection import count_nose_crossings, lip_overlap_mm
 from lrsr.identities.gate.openings import measure_eyes, mouth_area_mm2, nostril_area_mm2
 from lrsr.identities.hair.shell import lay_shell, strand_stream
@@ -97,7 +97,7 @@ def check_hair(hair: Mapping[str, Any], skin: NDArray[np.float32], seed: int) ->
     """
     if hair["sunk_mm"] > 0.0:
         return []
-    shell = lay_shell(hair, skin, strand_stream(seed)).vertices.astype(np.float32)
+    shell = lay_shell(hair, skin, strand_stream(seed), every=EVERY_COLUMN).points
     measured = {"hair: height of the edge on the forehead, mm": edge_height_mm(shell, skin)}
     return _outside(measured, _LIMITS)
 

@@ -5,7 +5,7 @@ the strand; the head's own shape enters by its chart only.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,10 @@ class Paths:
     leading: _Floats
     free: _Floats
     tuft: _Floats
+
+    def every(self, step: int) -> "Paths":
+        """Return one of so many columns."""
+        return Paths(**{field.name: getattr(self, field.name)[::step] for field in fields(self)})
 
 
 def plan_paths(parameters: Mapping[str, Any], chart: _Floats, rng: np.random.Generator) -> Paths:

@@ -7,7 +7,7 @@ the parting (or whorl) to where the hair leaves the skull, then downwards, eithe
 thickness of the hair, which fades out at a hairline.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,7 +41,8 @@ class Shell:
     """The surface of the hair, with room beyond its edge.
 
     Attributes:
-        points: ``(COLUMNS, ROWS + 3, 3)``, mm; the last three rows lie beyond the edge.
+        points: ``(COLUMNS, ROWS + 3, 3)``, mm, or of every so-many-th column; the last three rows
+            lie beyond the edge.
         outward: ``(COLUMNS, ROWS + 3, 3)`` unit vectors off the skin.
         height: ``(COLUMNS, ROWS + 3)`` distance off the skin, mm.
     """
@@ -77,7 +78,10 @@ def strand_stream(seed: int) -> np.random.Generator:
 
 
 def lay_shell(
-    parameters: Mapping[str, Any], skin_vertices: NDArray[np.float32], rng: np.random.Generator
+    parameters: Mapping[str, Any],
+    skin_vertices: NDArray[np.float32],
+    rng: np.random.Generator,
+    every: int = 1,
 ) -> Shell:
     """Lay the hair on one head.
 
@@ -85,16 +89,18 @@ def lay_shell(
         parameters: Of one head of hair, see :mod:`lrsr.identities.hair.styles`.
         skin_vertices: ``(V, 3)``, mm, in the template's topology.
         rng: Of clumps and ragged edges, see :func:`strand_stream`.
+        every: Of so many columns one is laid.
     """
     bed = _make_bed(parameters, skin_vertices)
-    paths = plan_paths(parameters, bed.chart, rng)
+    paths = plan_paths(parameters, bed.chart, rng).every(every)
     course = _run(parameters, paths)
     points = _hang(parameters, bed, paths, course)
     outward = points - bed.centre
     outward[..., 1] *= 1.0 - np.clip(course.down / 40.0, 0.0, 1.0)
     outward /= np.linalg.norm(outward, axis=-1, keepdims=True)
     height, fade = lay_thickness(parameters, paths, course)
-    lift, aside = _style(parameters, paths, course, fade, rng)
+    noise = [values[::every] for values in _draw_noise(parameters, rng)]
+    lift, aside = _style(parameters, paths, course, fade, noise)
     height = height + lift
     if parameters["sunk_mm"] > 0:
         height = np.full_like(height, -parameters["sunk_mm"])
@@ -133,11 +139,10 @@ def _style(
     paths: Paths,
     course: Course,
     fade: _Floats,
-    rng: np.random.Generator,
+    noise: Sequence[_Floats],
 ) -> tuple[_Floats, _Floats]:
     """Clump, wave and comb aside: return shifts off the skin and to the subject's left, mm."""
-    clump = smooth_noise(rng, course.along.shape, _clump_widths(parameters))
-    start = 0.35 * smooth_noise(rng, (COLUMNS,), (9.0,))[:, None]
+    clump, start, bend = noise
     phase = 2.0 * np.pi * (course.along / parameters["wave_period_mm"] + start)
     swing = parameters["wave_mm"] * smoothstep(25.0, 85.0, course.along) * fade
     share = np.clip(course.along / paths.length_mm[:, None], 0.0, 1.0)
@@ -146,13 +151,21 @@ def _style(
     smooth = 0.5 + 0.5 * min(parameters["curl_mm"] / 3.0, 1.0)
     lift = smooth * parameters["clump_mm"] * clump * fade + 0.5 * swing * np.cos(phase)
     lift = lift + parameters["flare_mm"] * loose**3
-    bend = smooth_noise(rng, (COLUMNS,), (12.0,))[:, None]
     bend = bend * np.sin(np.pi * np.clip(share - 0.3, 0.0, 0.7) / 0.7)
     front = smoothstep(58.0, 38.0, np.abs(paths.azimuth))[:, None]
     aside = swing * np.sin(phase) + parameters["sway_mm"] * bend * free
     aside = aside + parameters["sweep_mm"] * front * share**2
     aside = aside - 0.12 * parameters["clump_scale_mm"] * paths.tuft[:, None] * loose
     return lift, aside
+
+
+def _draw_noise(
+    parameters: Mapping[str, Any], rng: np.random.Generator
+) -> tuple[_Floats, _Floats, _Floats]:
+    """Draw clumps ``(COLUMNS, ROWS + 3)``, where waves start, how columns bend ``(COLUMNS, 1)``."""
+    clump = smooth_noise(rng, (COLUMNS, ROWS + len(BEYOND_MM)), _clump_widths(parameters))
+    start = 0.35 * smooth_noise(rng, (COLUMNS,), (9.0,))[:, None]
+    return clump, start, smooth_noise(rng, (COLUMNS,), (12.0,))[:, None]
 
 
 def _clump_widths(parameters: Mapping[str, Any]) -> tuple[float, float]:

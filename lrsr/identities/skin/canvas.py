@@ -71,6 +71,10 @@ class Canvas:
         row = (np.float32(self.top_mm) - points[..., 1]) / np.float32(self.pixel_mm)
         return np.stack([column, row], axis=-1) - np.float32(0.5)
 
+    def holds(self, pixels: FloatMap) -> NDArray[np.bool_]:
+        """Tell which positions of :meth:`to_pixels`, ``(..., 2)``, the sheet may colour."""
+        return ((pixels > -1) & (pixels < np.float32(self.shape[::-1]))).all(axis=-1)
+
     def to_corners(self, points_mm: ArrayLike) -> NDArray[np.int32]:
         """Turn template points into what OpenCV draws with ``shift=SUBPIXEL_BITS``.
 

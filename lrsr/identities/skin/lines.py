@@ -5,6 +5,7 @@ wrinkles"): forehead, frown, crow's feet, under the eye, nose to mouth, upper li
 Depths of 0.1 mm are fine lines, of 0.8 mm deep wrinkles.
 """
 
+import math
 from functools import lru_cache
 from itertools import pairwise
 from typing import TypedDict
@@ -97,19 +98,19 @@ class _Engraving:
         """
         if abs(depth_mm) < 0.01:
             return
-        width = min(_WIDTHS_MM, key=lambda known: abs(np.log(known / width_mm)))
+        width = min(_WIDTHS_MM, key=lambda known: abs(math.log(known / width_mm)))
         if width not in self._plates:
             self._plates[width] = np.zeros(self._canvas.shape, dtype=np.float32)
-        path = _smoothing(len(np.asarray(path_mm))) @ np.asarray(path_mm, dtype=np.float64)
-        corners = self._canvas.to_corners(path)
+        path = np.asarray(path_mm, dtype=np.float64)
+        rounding, runs = _rounding(len(path))
+        corners = self._canvas.to_corners(rounding @ path)
         # A line one pixel wide loses sigma sqrt(2 pi) of its height to the blur.
         level = depth_mm * width / self._canvas.pixel_mm * np.sqrt(2 * np.pi)
-        cuts = np.unique(np.linspace(0, len(path) - 1, _TAPER_STEPS + 1).astype(int))
-        for begin, end in pairwise(cuts):
-            taper = np.sin(np.pi * (begin + end) / 2 / (len(path) - 1)) ** 0.7
-            run = [corners[begin : end + 1]]
+        for run, taper in runs:
             line = float(-level * taper)
-            cv2.polylines(self._plates[width], run, False, line, 1, cv2.LINE_8, SUBPIXEL_BITS)
+            cv2.polylines(
+                self._plates[width], [corners[run]], False, line, 1, cv2.LINE_8, SUBPIXEL_BITS
+            )
 
     def heights(self) -> FloatMap:
         """Return what has been carved: ``(H, W)`` float32, mm, grooves below 0."""
@@ -149,15 +150,22 @@ def draw_lines(lines: Lines, canvas: Canvas) -> FloatMap:
 
 
 @lru_cache(maxsize=16)
-def _smoothing(points: int) -> NDArray[np.float64]:
-    """Return the matrix that rounds the corners of a path twice (Chaikin), its ends kept."""
+def _rounding(points: int) -> tuple[NDArray[np.float64], list[tuple[slice, float]]]:
+    """Return the matrix that rounds the corners of a path twice (Chaikin), its ends kept.
+
+    Also the runs that the rounded path is drawn in, each with its share of the depth.
+    """
     path = np.eye(points)
     for _ in range(2):
         near = 0.75 * path[:-1] + 0.25 * path[1:]
         far = 0.25 * path[:-1] + 0.75 * path[1:]
         middle = np.stack([near, far], axis=1).reshape(-1, points)
         path = np.concatenate([path[:1], middle, path[-1:]])
-    return path
+    last = len(path) - 1
+    cuts = np.unique(np.linspace(0, last, _TAPER_STEPS + 1).astype(int))
+    tapers = np.sin(np.pi * (cuts[:-1] + cuts[1:]) / 2 / last) ** 0.7
+    runs = [slice(begin, end + 1) for begin, end in pairwise(cuts.tolist())]
+    return path, list(zip(runs, tapers.tolist(), strict=True))
 
 
 def _draw_forehead(lines: Lines, rng: Generator, cuts: _Engraving) -> None:

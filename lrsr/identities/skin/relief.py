@@ -50,12 +50,15 @@ def displace(
         >>> displace(corners, np.array([[0, 1, 2]]), np.array([0.5, 0.0, 0.0]))[0]
         array([0. , 0. , 0.5])
     """
-    touched = faces[(height[faces] != 0).any(axis=1)]
-    a, b, c = (vertices[touched[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)
+    moving = height != 0
+    touched = faces[moving[faces].any(axis=1)]
+    a, b, c = (vertices.T[:, touched[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a, axis=0)
     corner = touched.T.ravel()
     normals = np.stack(
-        [np.bincount(corner, np.tile(across[:, k], 3), len(vertices)) for k in range(3)], axis=1
+        [np.bincount(corner, np.tile(along, 3), len(vertices))[moving] for along in across], axis=1
     )
     length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.asarray(vertices + height[:, None] * normals / np.maximum(length, 1e-12))
+    moved = vertices.copy()
+    moved[moving] += height[moving, None] * normals / np.maximum(length, 1e-12)
+    return moved

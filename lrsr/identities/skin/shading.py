@@ -184,7 +184,8 @@ class ShadingPainter:
                 np.float32(left) + np.float32(right - left) * self._right[weight.box]
             )
         np.maximum(total, _DEEPEST, out=total)
-        albedo[layout.face] *= np.exp(total[..., None] * _RED)
+        shade = cv2.merge([total * share for share in _RED])
+        albedo[layout.face] *= np.exp(shade, out=shade)
 
     def _unevenness(self, rng: Generator) -> FloatMap:
         """Smooth noise of the logarithm of luminance."""

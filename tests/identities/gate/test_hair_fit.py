@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lrsr.identities.face.template import template
-from lrsr.identities.gate.hair_fit import edge_height_mm
+from lrsr.identities.gate.hair_fit import EVERY_COLUMN, edge_height_mm
 from lrsr.identities.hair.choice import colour_parameters
 from lrsr.identities.hair.hair import build_hair
 from lrsr.identities.hair.paths import COLUMNS
@@ -41,7 +41,7 @@ def ribbons_off_mm(hair: Points) -> float:
 
 
 def height_mm(hair: Points) -> float:
-    return edge_height_mm(hair, skin())
+    return edge_height_mm(hair[:SHELL].reshape(COLUMNS, ROWS, 3)[::EVERY_COLUMN], skin())
 
 
 @pytest.mark.parametrize("style", STYLES)
@@ -77,5 +77,9 @@ def test_a_shell_grown_alone_is_that_of_the_whole_hair(style: str) -> None:
     np.testing.assert_array_equal(shell, grown(style)[:SHELL])
 
 
-def test_a_shell_alone_fits_as_it_does_under_ribbons() -> None:
-    assert height_mm(grown("bob")[:SHELL]) == height_mm(grown("bob"))
+@pytest.mark.parametrize("style", ["bob", "curly"])
+def test_some_columns_alone_lie_where_they_do_among_all(style: str) -> None:
+    numbers = style_parameters(style, np.random.default_rng(5)) | colour_parameters(COLOUR)
+    some = lay_shell(numbers, skin(), strand_stream(3), every=EVERY_COLUMN).points
+    whole = lay_shell(numbers, skin(), strand_stream(3)).points
+    np.testing.assert_array_equal(some, whole[::EVERY_COLUMN])

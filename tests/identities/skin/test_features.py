@@ -224,7 +224,7 @@ def test_without_vertices_nothing_is_displaced() -> None:
 def test_dark_hairs_shade_skin_by_their_share_and_leave_the_rest() -> None:
     skin, hair = np.float32([0.4, 0.2, 0.1]), np.float32([0.02, 0.01, 0.01])
     albedo = np.tile(skin, (1, 3, 1)).astype(np.float32)
-    _shade(albedo, hair, np.float32([[0.0, 0.5, 1.0]]))
+    _shade(albedo, hair, np.arange(3), np.float32([0.0, 0.5, 1.0]))
     assert np.array_equal(albedo[0, 0], skin)
     assert albedo[0, 1] == pytest.approx(np.sqrt(skin * hair), rel=1e-5)  # the geometric mean
     assert albedo[0, 2] == pytest.approx(hair, rel=1e-5)
