@@ -21,5 +21,9 @@ def smoothstep(low: float, high: float, value: NDArray[Any]) -> NDArray[Any]:
         >>> smoothstep(0.0, 2.0, np.array([-1.0, 1.0, 5.0]))
         array([0. , 0.5, 1. ])
     """
-    share = np.clip((value - low) / (high - low), 0, 1)
-    return np.asarray(share * share * (3 - 2 * share), dtype=value.dtype)
+    share = np.asarray((value - low) / (high - low))
+    np.clip(share, 0, 1, out=share)
+    square = share * share
+    share *= -2
+    share += 3
+    return np.asarray(square * share, dtype=value.dtype)

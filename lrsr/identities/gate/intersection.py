@@ -61,18 +61,15 @@ def _crossing_pairs(
     Returns:
         ``(n, 2)`` indices of faces, the smaller first.
     """
-    corners = vertices[faces]
-    low, high = corners.min(axis=1), corners.max(axis=1)
+    corners = np.take(vertices, faces, axis=0)
     tree = cKDTree(corners.mean(axis=1), balanced_tree=False, compact_nodes=False)
     pairs = tree.query_pairs(reach_mm, output_type="ndarray")
-    away = usual[pairs[:, 0]] - usual[pairs[:, 1]]
+    away = np.take(usual, pairs[:, 0], axis=0) - np.take(usual, pairs[:, 1], axis=0)
     pairs = pairs[np.einsum("nc,nc->n", away, away) >= apart_mm**2]
-    one, other = pairs[:, 0], pairs[:, 1]
-    touching = np.ones(len(pairs), bool)
-    for axis in range(3):
-        touching &= low[one, axis] <= high[other, axis]
-        touching &= low[other, axis] <= high[one, axis]
-    pairs = pairs[touching]
+    one, other = corners[pairs[:, 0]], corners[pairs[:, 1]]
+    touching = one.min(axis=1) <= other.max(axis=1)
+    touching &= other.min(axis=1) <= one.max(axis=1)
+    pairs = pairs[touching.all(axis=1)]
     shared = (faces[pairs[:, 0], :, None] == faces[pairs[:, 1], None, :]).any(axis=(1, 2))
     pairs = pairs[~shared]
     p, q = corners[pairs[:, 0]], corners[pairs[:, 1]]

@@ -53,13 +53,16 @@ def _covered(points: Points, triangles: Points) -> NDArray[np.bool_]:
         >>> _covered(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [9.0, 0.0, 0.0]]), sheet).tolist()
         [True, False, False]
     """
-    low, high = triangles[..., :2].min(axis=1), triangles[..., :2].max(axis=1)
-    over = np.ones((len(points), len(triangles)), bool)
-    for axis in (0, 1):
-        at = points[:, axis, None]
-        over &= (low[:, axis] <= at) & (at <= high[:, axis])
+    corners = triangles[..., :2].transpose(1, 2, 0)  # each (x and y, m)
+    (left, bottom), (right, top) = np.minimum.reduce(corners), np.maximum.reduce(corners)
+    x, y = points[:, :1], points[:, 1:2]
+    near = (left <= x.max()) & (right >= x.min()) & (bottom <= y.max()) & (top >= y.min())
+    near = np.flatnonzero(near)
+    left, bottom, right, top = (edge[near] for edge in (left, bottom, right, top))
+    over = (left <= x) & (x <= right)
+    over &= (bottom <= y) & (y <= top)
     point, triangle = np.nonzero(over)
-    p, (a, b, c) = points[point], (triangles[triangle, k] for k in range(3))
+    p, (a, b, c) = points[point], np.take(triangles, near[triangle], axis=0).transpose(1, 0, 2)
     total = twice_area(a, b, c)
     total = np.where(np.abs(total) < 1e-12, np.inf, total)
     weights = [twice_area(b, c, p) / total, twice_area(c, a, p) / total]
@@ -81,7 +84,9 @@ def measure_eyes(skin: Points, eyes: Eyes, iris_rad: float) -> tuple[_EyeOpening
     """
     both = []
     for which, (upper, lower) in enumerate(lid_margins(skin, eyes, template().lids)):
-        hidden = _covered(_iris_line(eyes, which, iris_rad), skin[_lid_faces(which)])
+        hidden = _covered(
+            _iris_line(eyes, which, iris_rad), np.take(skin, _lid_faces(which), axis=0)
+        )
         both.append(
             _EyeOpening(
                 iris_share=float(1.0 - hidden.mean()),
@@ -118,7 +123,7 @@ def nostril_area_mm2(skin: Points) -> float:
         skin: ``(V, 3)`` render vertices, mm.
     """
     roof, around = _nostril_faces()
-    return _seen_area_mm2(skin[roof], skin[around])
+    return _seen_area_mm2(np.take(skin, roof, axis=0), np.take(skin, around, axis=0))
 
 
 @lru_cache(maxsize=1)
@@ -145,7 +150,7 @@ def mouth_area_mm2(skin: Points) -> float:
         mm^2.
     """
     strip, around = _mouth_faces()
-    return _seen_area_mm2(skin[strip], skin[around])
+    return _seen_area_mm2(np.take(skin, strip, axis=0), np.take(skin, around, axis=0))
 
 
 @lru_cache(maxsize=1)

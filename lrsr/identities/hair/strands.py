@@ -116,24 +116,24 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
     curly = _is_curly(parameters)
     stacked = np.concatenate([shell.points, shell.outward, shell.height[..., None]], axis=-1)
     sampler = _sampler("stubble" if stubble else "curly" if curly else "straight")
-    sampled = sampler @ stacked.reshape(-1, 7).astype(np.float32)
-    sampled = sampled.reshape(_RIBBONS, _POINTS, 7)
-    centre, outward, height = sampled[..., :3], sampled[..., 3:6], sampled[..., 6]
-    tangent = _unit(np.gradient(centre, axis=1))
-    across = _unit(np.cross(outward, tangent))
+    sampled = (sampler @ stacked.reshape(-1, 7).astype(np.float32)).T
+    planes = np.ascontiguousarray(sampled).reshape(7, _RIBBONS, _POINTS)
+    centre, outward, height = planes[:3], planes[3:6], planes[6]
+    tangent = _unit(np.gradient(centre, axis=2))
+    across = _unit(_cross(outward, tangent))
     if stubble:
         along = np.linspace(0.0, 1.0, _POINTS, dtype=np.float32)
         up = rng.uniform(0.3, 1.0, (_RIBBONS, 1)).astype(np.float32) * along
-        centre = centre + outward * (0.1 - height + parameters["stubble_mm"] * up)[..., None]
-        centre += across * (0.5 * plan.stray)[..., None]
+        centre = centre + outward * (0.1 - height + parameters["stubble_mm"] * up)
+        centre += across * (0.5 * plan.stray)
     elif parameters["sunk_mm"] <= 0:
         off, aside = _loosen(parameters, height, rng)
-        centre = centre + outward * off[..., None]
-        centre += across * aside[..., None]
-    tilt = plan.twist[:, None, None]
-    half = np.cos(tilt) * across + np.sin(tilt) * np.cross(tangent, across)
-    half *= (_CURLY_WIDTH if curly else 1.0) * plan.half_width_mm[..., None]
-    return np.stack([centre - half, centre + half], axis=2)
+        centre = centre + outward * off
+        centre += across * aside
+    tilt = plan.twist[:, None]
+    half = np.cos(tilt) * across + np.sin(tilt) * _cross(tangent, across)
+    half *= (_CURLY_WIDTH if curly else 1.0) * plan.half_width_mm
+    return np.ascontiguousarray(np.stack([centre - half, centre + half]).transpose(2, 3, 0, 1))
 
 
 def _is_curly(parameters: Mapping[str, Any]) -> bool:
@@ -202,6 +202,12 @@ def _sampler(kind: str) -> Any:
 
 
 def _unit(vectors: _Singles) -> _Singles:
-    length = np.sqrt(np.einsum("...c,...c->...", vectors, vectors))
-    scaled: _Singles = vectors / np.maximum(length, 1e-6)[..., None]
+    """Shorten or lengthen vectors ``(3, ...)`` to 1."""
+    x, y, z = vectors
+    scaled: _Singles = vectors / np.maximum(np.sqrt(x * x + y * y + z * z), 1e-6)
     return scaled
+
+
+def _cross(a: _Singles, b: _Singles) -> _Singles:
+    """Return the vector products of vectors ``(3, ...)``; numpy's is slow in this layout."""
+    return np.stack([a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)])

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
@@ -55,8 +56,8 @@ def hair_texture(parameters: Mapping[str, Any], seed: int) -> NDArray[np.float32
     grey = np.clip(share + 0.9 * share * (1.0 - share) * uneven, 0.0, 1.0)
     pigment = np.asarray(parameters["hair_colour"], dtype=np.float64)
     base = pigment + grey[:, None] * (np.asarray(_GREY_STRAND) - pigment)
-    texture = shade[..., None] * base[None].astype(np.float32)
-    return np.asarray(np.minimum(texture, np.float32(0.9)), dtype=np.float32)
+    texture = cv2.merge([shade * channel for channel in base.T.astype(np.float32)])
+    return np.asarray(np.minimum(texture, np.float32(0.9), out=texture))
 
 
 def _bands(rng: np.random.Generator, width: float) -> NDArray[np.float64]:

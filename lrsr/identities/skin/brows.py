@@ -7,7 +7,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from lrsr.identities.skin.canvas import STRAND_POINTS, Canvas, bend_strands
+from lrsr.identities.skin.canvas import STRAND_POINTS, Canvas, bend_strands, draw_corners
 
 _FloatArray = NDArray[np.float64]
 
@@ -172,8 +172,9 @@ def lay_brows(brows: Brows, rng: Generator) -> _FloatArray:
     if brows["bridge"] > 0:
         strands.append(_bridge_strands(brows, rng))
     hairs = np.concatenate(strands)
-    rng.shuffle(hairs)
-    return hairs
+    order = np.arange(len(hairs))
+    rng.shuffle(order)
+    return hairs[order]
 
 
 def cover_brows(hairs: _FloatArray) -> NDArray[np.uint8]:
@@ -186,11 +187,13 @@ def cover_brows(hairs: _FloatArray) -> NDArray[np.uint8]:
         Opacity on ``CANVAS``, ``(H, W)`` uint8, 0..255.
     """
     clear = np.full(CANVAS.shape, 255, dtype=np.uint8)
+    corners = CANVAS.to_corners(hairs)
+    faint = [int(0.6 * level) for level in _HAIR_LEVELS]
     for layer in range(_LAYERS):
         sheet = CANVAS.blank()
-        part = hairs[layer::_LAYERS]
-        CANVAS.draw_strands(sheet, part, [0.6 * level for level in _HAIR_LEVELS])
-        CANVAS.draw_strands(sheet, part[:, :3], _HAIR_LEVELS)  # towards their tips they are finer
+        part = corners[layer::_LAYERS]
+        draw_corners(sheet, part, faint)
+        draw_corners(sheet, part[:, :3], _HAIR_LEVELS)  # towards their tips they are finer
         clear = cv2.multiply(clear, cv2.bitwise_not(sheet), scale=1 / 255)
     opacity = cv2.bitwise_not(clear)
     sigma = _SHADE_BLUR_MM / CANVAS.pixel_mm

@@ -100,12 +100,7 @@ class Canvas:
             strands_mm: ``(N, K, 2)``, the polyline of each hair, mm.
             levels: ``(L,)`` grey levels, 0..255; the strands are dealt to them in equal shares.
         """
-        corners = self.to_corners(strands_mm)
-        levels = np.asarray(levels, dtype=np.int64)
-        for index, level in enumerate(levels):
-            group = list(corners[index :: len(levels)])
-            if group:
-                cv2.polylines(sheet, group, False, int(level), 1, cv2.LINE_AA, SUBPIXEL_BITS)
+        draw_corners(sheet, self.to_corners(strands_mm), np.asarray(levels).astype(int).tolist())
 
     def draw_dots(
         self,
@@ -157,6 +152,22 @@ class Canvas:
             return self.sample(sheet, grid).reshape(-1)[: len(pixels)] if rows else sheet[:0, 0]
         sampled = cv2.remap(sheet, pixels, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
         return np.asarray(sampled)
+
+
+def draw_corners(
+    sheet: NDArray[np.uint8], corners: NDArray[np.int32], levels: Sequence[int]
+) -> None:
+    """Draw the strands of :meth:`Canvas.draw_strands`.
+
+    Args:
+        sheet: ``(H, W)`` uint8, changed in place.
+        corners: ``(N, K, 2)``, as :meth:`Canvas.to_corners` gives them.
+        levels: ``(L,)`` grey levels, 0..255.
+    """
+    for index, level in enumerate(levels):
+        group = list(corners[index :: len(levels)])
+        if group:
+            cv2.polylines(sheet, group, False, level, 1, cv2.LINE_AA, SUBPIXEL_BITS)
 
 
 def bend_strands(

@@ -189,7 +189,7 @@ class GrainPainter:
         """Repeat a tile over the texture."""
         rows, columns = self._pores.shape
         times = -(-rows // tile.shape[0]), -(-columns // tile.shape[1])
-        return np.ascontiguousarray(np.tile(tile, times)[:rows, :columns], dtype=np.float32)
+        return np.ascontiguousarray(cv2.repeat(tile, *times)[:rows, :columns])
 
     def _furrow_lips(self, height: FloatMap, depth_mm: float, rng: Generator) -> None:
         """Furrows run across the lips, fanning out from the middle."""

@@ -50,15 +50,15 @@ def displace(
         >>> displace(corners, np.array([[0, 1, 2]]), np.array([0.5, 0.0, 0.0]))[0]
         array([0. , 0. , 0.5])
     """
-    moving = height != 0
-    touched = faces[moving[faces].any(axis=1)]
-    a, b, c = (vertices.T[:, touched[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a, axis=0)
-    corner = touched.T.ravel()
-    normals = np.stack(
-        [np.bincount(corner, np.tile(along, 3), len(vertices))[moving] for along in across], axis=1
-    )
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    moved = vertices.copy()
-    moved[moving] += height[moving, None] * normals / np.maximum(length, 1e-12)
-    return moved
+    moving = np.flatnonzero(height)
+    corner = np.take(height != 0, faces).T
+    touched = np.take(faces, np.flatnonzero(corner[0] | corner[1] | corner[2]), axis=0).T
+    axes = np.ascontiguousarray(vertices.T)
+    a, b, c = (np.take(axes, corners, axis=1) for corners in touched)
+    across, corners = np.cross(b - a, c - a, axis=0), touched.ravel()
+    sums = (np.bincount(corners, np.concatenate([part] * 3), len(vertices)) for part in across)
+    x, y, z = (np.take(total, moving) for total in sums)
+    length = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-12)
+    for axis, normal in zip(axes, (x, y, z), strict=True):
+        axis[moving] += height[moving] * normal / length
+    return np.ascontiguousarray(axes.T)

@@ -242,5 +242,6 @@ def _table_position(
 ) -> NDArray[np.float32]:
     low, high = np.log(limits)
     scale = (_TABLE_SIZE - 1) / (high - low)
-    position = (logarithm - np.float32(low)) * np.float32(scale)
-    return np.asarray(position, dtype=np.float32)  # the look-up clamps
+    position = logarithm - np.float32(low)
+    position *= np.float32(scale)
+    return position  # the look-up clamps
