@@ -1,6 +1,6 @@
 """Which point of the template does a texel show? Triangles drawn into the texture layout."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +65,7 @@ class Raster(NamedTuple):
         """
         drawn = np.zeros((self.size, self.size, values.shape[1]))
         mask = np.zeros((self.size, self.size), dtype=bool)
-        corners = values[faces[self.triangle]]
+        corners = np.take(values, np.take(faces, self.triangle, axis=0), axis=0)
         drawn[self.row, self.column] = np.einsum("nk,nkc->nc", self.weights, corners)
         mask[self.row, self.column] = True
         return drawn, mask
@@ -96,24 +96,33 @@ def cover(uv: NDArray[np.floating], faces: NDArray[np.integer], size: int) -> Ra
         faces: ``(F, 3)``.
         size: Rows and columns, > 0.
     """
-    corners = uv[faces].astype(np.float64) * size - 0.5
-    low = np.clip(np.ceil(corners.min(axis=1) - 1e-9).astype(int), 0, size)
-    high = np.clip(np.floor(corners.max(axis=1) + 1e-9).astype(int) + 1, 0, size)
+    corners = np.take(uv, faces, axis=0).astype(np.float64) * size - 0.5
+    a, b, c = corners.transpose(1, 0, 2)
+    low = np.ceil(np.minimum(np.minimum(a, b), c) - 1e-9).astype(int).clip(0, size)
+    high = np.floor(np.maximum(np.maximum(a, b), c) + 1e-9).astype(int).clip(-1, size - 1) + 1
     width, height = np.maximum(high - low, 0).T
     count = width * height
-    triangle = np.repeat(np.arange(len(faces)), count)
-    step = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    row = low[triangle, 1] + step // np.maximum(width[triangle], 1)
-    column = low[triangle, 0] + step % np.maximum(width[triangle], 1)
-    a, b, c = (corners[triangle, k] for k in range(3))
-    point = np.stack([column, row], axis=1).astype(np.float64)
 
+    def at_texels(values: NDArray[Any]) -> NDArray[Any]:
+        return np.repeat(values, count)
+
+    down, across = np.divmod(
+        np.arange(count.sum()) - at_texels(np.cumsum(count) - count), at_texels(width)
+    )
+    column, row = at_texels(low[:, 0]) + across, at_texels(low[:, 1]) + down
     total = twice_area(a, b, c)
-    total = np.where(total == 0.0, np.nan, total)
-    weights = np.stack([twice_area(b, c, point), twice_area(c, a, point)], axis=1) / total[:, None]
-    weights = np.concatenate([weights, 1.0 - weights.sum(axis=1, keepdims=True)], axis=1)
-    inside = (weights >= -1e-9).all(axis=1)
-    triangle, weights = triangle[inside], weights[inside]
+    total = at_texels(np.where(total == 0.0, np.nan, total))
+    first, second = (
+        at_texels((r - q)[:, 0]) * (row - at_texels(q[:, 1]))
+        - at_texels((r - q)[:, 1]) * (column - at_texels(q[:, 0]))
+        for q, r in ((b, c), (c, a))
+    )
+    first /= total
+    second /= total
+    third = 1.0 - (first + second)
+    inside = np.flatnonzero((first >= -1e-9) & (second >= -1e-9) & (third >= -1e-9))
+    triangle = np.searchsorted(np.cumsum(count), inside, side="right")
+    weights = np.stack([part[inside] for part in (first, second, third)], axis=1)
     return Raster(size, row[inside], column[inside], triangle, weights)
 
 

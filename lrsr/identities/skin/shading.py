@@ -228,14 +228,28 @@ def _draw_mean(position: FloatMap) -> FloatMap:
 
 def _draw(shade: _Shade, position: FloatMap) -> _Weight:
     """Draw a place: a Gaussian of the distance to its path."""
-    points = np.stack([np.abs(position[..., 0]), position[..., 1]], axis=-1)
-    squares = _squared_distance(points, np.array(shade.path, dtype=np.float32))
-    values = np.exp(-0.5 * squares / shade.size**2) * smoothstep(-48.0, -32.0, position[..., 2])
-    rows, columns = (np.flatnonzero((values > 0.01).any(axis=axis)) for axis in (1, 0))
+    path = np.array(shade.path, dtype=np.float32)
+    x, y, z = np.abs(position[..., 0]), position[..., 1], position[..., 2]
+    (left, bottom), (right, top) = path.min(axis=0), path.max(axis=0)
+    reach = 3.1 * shade.size  # there a Gaussian is below 0.01
+    near = (x > left - reach) & (x < right + reach) & (y > bottom - reach) & (y < top + reach)
+    outer = _box(near & (z > -48.0))
+    squares = _squared_distance(np.stack([x[outer], y[outer]], axis=-1), path)
+    values = np.exp(-0.5 * squares / shade.size**2) * smoothstep(-48.0, -32.0, z[outer])
+    inner = _box(values > 0.01)
+    box = tuple(
+        slice(around.start + own.start, around.start + own.stop)
+        for around, own in zip(outer, inner, strict=True)
+    )
+    return _Weight((box[0], box[1]), np.ascontiguousarray(values[inner], dtype=np.float32))
+
+
+def _box(mask: NDArray[np.bool_]) -> tuple[slice, slice]:
+    """Return the rows and the columns between which a mask has anything."""
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
     if not rows.size:
-        return _Weight((slice(0, 0), slice(0, 0)), values[:0, :0].astype(np.float32))
-    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-    return _Weight(box, np.ascontiguousarray(values[box], dtype=np.float32))
+        return slice(0, 0), slice(0, 0)
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
 
 def _squared_distance(points: FloatMap, corners: NDArray[np.float32]) -> FloatMap:
