@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lrsr.identities.gate.coarse import Faces, Points, coarse_head
+from lrsr.identities.planes import cross, dot
 
 _REACH_MM = 2.4
 _APART_MM = 4.0
@@ -27,22 +28,18 @@ def _edges_cross(one: Points, other: Points) -> NDArray[np.bool_]:
     Returns:
         ``(n,)``.
     """
-    a = other[:, 0]
-    first, second = other[:, 1] - a, other[:, 2] - a
+    a, b, c = np.ascontiguousarray(other.transpose(1, 2, 0))
+    first, second = b - a, c - a
+    starts = np.ascontiguousarray(one.transpose(1, 2, 0))
     crossing = np.zeros(len(one), bool)
-    for k in range(3):
-        start = one[:, k]
-        along = one[:, (k + 1) % 3] - start
-        normal = np.cross(along, second)
-        determinant = np.einsum("nc,nc->n", first, normal)
+    for start, end in zip(starts, np.roll(starts, -1, axis=0), strict=True):
+        along, offset = end - start, start - a
+        normal, turned = cross(along, second), cross(offset, first)
+        determinant = dot(first, normal)
         inverse = 1.0 / np.where(np.abs(determinant) < 1e-14, np.inf, determinant)
-        offset = start - a
-        u = np.einsum("nc,nc->n", offset, normal) * inverse
-        turned = np.cross(offset, first)
-        v = np.einsum("nc,nc->n", along, turned) * inverse
-        t = np.einsum("nc,nc->n", second, turned) * inverse
-        within = (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0) & (t <= 1) & (inverse != 0)
-        crossing |= within
+        u, v, t = dot(offset, normal), dot(along, turned), dot(second, turned)
+        u, v, t = u * inverse, v * inverse, t * inverse
+        crossing |= (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0) & (t <= 1) & (inverse != 0)
     return crossing
 
 
@@ -66,10 +63,12 @@ def _crossing_pairs(
     pairs = tree.query_pairs(reach_mm, output_type="ndarray")
     away = np.take(usual, pairs[:, 0], axis=0) - np.take(usual, pairs[:, 1], axis=0)
     pairs = pairs[np.einsum("nc,nc->n", away, away) >= apart_mm**2]
-    one, other = corners[pairs[:, 0]], corners[pairs[:, 1]]
-    touching = one.min(axis=1) <= other.max(axis=1)
-    touching &= other.min(axis=1) <= one.max(axis=1)
-    pairs = pairs[touching.all(axis=1)]
+    one, other = pairs.T
+    touching = np.ones(len(pairs), bool)
+    for low, high in zip(corners.min(axis=1).T, corners.max(axis=1).T, strict=True):
+        touching &= np.take(low, one) <= np.take(high, other)
+        touching &= np.take(low, other) <= np.take(high, one)
+    pairs = pairs[touching]
     shared = (faces[pairs[:, 0], :, None] == faces[pairs[:, 1], None, :]).any(axis=(1, 2))
     pairs = pairs[~shared]
     p, q = corners[pairs[:, 0]], corners[pairs[:, 1]]

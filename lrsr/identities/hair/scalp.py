@@ -23,6 +23,9 @@ MM_PER_DEG = 1.6
 
 _EAR_CLEARANCE_MM = 5.0
 _REACH_DEG = 32.0
+_FRAYED_MM = 13.0
+"""No root stands farther than this beyond the hairline."""
+
 _FINE = 720
 _WHITE_ROOTS = 0.55
 """How much less roots colour the skin when they are white."""
@@ -109,18 +112,23 @@ class Scalp:
         """
         around = np.arange(_FINE, dtype=np.float64) * (360.0 / _FINE)
         azimuth = np.asarray((around + 180.0) % 360.0 - 180.0)
-        line = hairline_polar(azimuth, parameters)[self._column]
-        stroke = _strokes(np.random.default_rng([seed, 5])).ravel()[self._stroke]
-        inside_mm = (line - self._polar) * MM_PER_DEG
-        cover = smoothstep(0.0, 1.0, (inside_mm + 9.0 * (stroke - 0.35)) / 15.0 + 0.45)
+        inside_mm = np.take(hairline_polar(azimuth, parameters), self._column)
+        inside_mm -= self._polar
+        inside_mm *= MM_PER_DEG
+        near = np.flatnonzero(inside_mm > -_FRAYED_MM)
+        stroke = np.take(_strokes(np.random.default_rng([seed, 5])), self._stroke[near])
+        cover = 9.0 * (stroke - 0.35)
+        cover += inside_mm[near]
+        cover = smoothstep(0.0, 1.0, cover / 15.0 + 0.45)
         bald = parameters["bald_deg"]
         if bald > 0:
-            rim_mm = (self._polar - bald_polar(azimuth, bald)[self._column]) * MM_PER_DEG
+            rim = np.take(bald_polar(azimuth, bald), self._column[near])
+            rim_mm = (self._polar[near] - rim) * MM_PER_DEG
             cover = cover * smoothstep(0.0, 1.0, (rim_mm + 10.0 * (stroke - 0.5)) / 18.0 + 0.5)
         density = parameters["density"] * (1.0 - _WHITE_ROOTS * parameters.get("grey", 0.0))
-        cover = cover * (density + (1.0 - density) * 0.5 * (stroke - 0.5))
+        cover *= density + (1.0 - density) * 0.5 * (stroke - 0.5)
         mask = np.zeros(self.shape, dtype=np.float32)
-        mask.ravel()[self._texels] = np.clip(cover, 0.0, 1.0)
+        mask.ravel()[self._texels[near]] = np.clip(cover, 0.0, 1.0)
         return mask
 
 

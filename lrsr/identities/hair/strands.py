@@ -15,6 +15,7 @@ from scipy import sparse
 from lrsr.identities.hair.paths import COLUMNS
 from lrsr.identities.hair.shell import BEYOND_MM, ROWS, Shell
 from lrsr.identities.hair.texture import RIBBON_COLUMNS, SHELL_COLUMNS, TEXTURE_SHAPE
+from lrsr.identities.planes import cross, dot
 
 _Floats = NDArray[np.float64]
 _Singles = NDArray[np.float32]
@@ -120,7 +121,7 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
     planes = np.ascontiguousarray(sampled).reshape(7, _RIBBONS, _POINTS)
     centre, outward, height = planes[:3], planes[3:6], planes[6]
     tangent = _unit(np.gradient(centre, axis=2))
-    across = _unit(_cross(outward, tangent))
+    across = _unit(cross(outward, tangent))
     if stubble:
         along = np.linspace(0.0, 1.0, _POINTS, dtype=np.float32)
         up = rng.uniform(0.3, 1.0, (_RIBBONS, 1)).astype(np.float32) * along
@@ -131,7 +132,7 @@ def lay_strands(parameters: Mapping[str, Any], shell: Shell, rng: np.random.Gene
         centre = centre + outward * off
         centre += across * aside
     tilt = plan.twist[:, None]
-    half = np.cos(tilt) * across + np.sin(tilt) * _cross(tangent, across)
+    half = np.cos(tilt) * across + np.sin(tilt) * cross(tangent, across)
     half *= (_CURLY_WIDTH if curly else 1.0) * plan.half_width_mm
     return np.ascontiguousarray(np.stack([centre - half, centre + half]).transpose(2, 3, 0, 1))
 
@@ -203,11 +204,5 @@ def _sampler(kind: str) -> Any:
 
 def _unit(vectors: _Singles) -> _Singles:
     """Shorten or lengthen vectors ``(3, ...)`` to 1."""
-    x, y, z = vectors
-    scaled: _Singles = vectors / np.maximum(np.sqrt(x * x + y * y + z * z), 1e-6)
+    scaled: _Singles = vectors / np.maximum(np.sqrt(dot(vectors, vectors)), 1e-6)
     return scaled
-
-
-def _cross(a: _Singles, b: _Singles) -> _Singles:
-    """Return the vector products of vectors ``(3, ...)``; numpy's is slow in this layout."""
-    return np.stack([a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)])

@@ -7,7 +7,13 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from lrsr.identities.skin.canvas import STRAND_POINTS, Canvas, bend_strands, draw_corners
+from lrsr.identities.skin.canvas import (
+    STRAND_POINTS,
+    SUBPIXEL_BITS,
+    Canvas,
+    bend_strands,
+    draw_corners,
+)
 
 _FloatArray = NDArray[np.float64]
 
@@ -188,13 +194,15 @@ def cover_brows(hairs: _FloatArray) -> NDArray[np.uint8]:
     """
     clear = np.full(CANVAS.shape, 255, dtype=np.uint8)
     corners = CANVAS.to_corners(hairs)
+    low, high = np.clip((corners[..., 1].min(), corners[..., 1].max()), 0, None) >> SUBPIXEL_BITS
+    band = slice(max(int(low) - 2, 0), int(high) + 3)
     faint = [int(0.6 * level) for level in _HAIR_LEVELS]
     for layer in range(_LAYERS):
         sheet = CANVAS.blank()
         part = corners[layer::_LAYERS]
         draw_corners(sheet, part, faint)
         draw_corners(sheet, part[:, :3], _HAIR_LEVELS)  # towards their tips they are finer
-        clear = cv2.multiply(clear, cv2.bitwise_not(sheet), scale=1 / 255)
+        clear[band] = cv2.multiply(clear[band], cv2.bitwise_not(sheet[band]), scale=1 / 255)
     opacity = cv2.bitwise_not(clear)
     sigma = _SHADE_BLUR_MM / CANVAS.pixel_mm
     shade = cv2.convertScaleAbs(cv2.GaussianBlur(opacity, (0, 0), sigma), alpha=_SHADE)

@@ -116,8 +116,19 @@ class _Engraving:
         """Return what has been carved: ``(H, W)`` float32, mm, grooves below 0."""
         sheet = np.zeros(self._canvas.shape, dtype=np.float32)
         for width, plate in sorted(self._plates.items()):
-            sheet += cv2.GaussianBlur(plate, (0, 0), width / self._canvas.pixel_mm)
+            if not plate.any():  # carved beside the sheet
+                continue
+            sigma = width / self._canvas.pixel_mm
+            box = _reach(plate, 2 * math.ceil(4 * sigma + 1))
+            sheet[box] += cv2.GaussianBlur(plate[box], (0, 0), sigma)
         return sheet
+
+
+def _reach(plate: FloatMap, margin: int) -> tuple[slice, slice]:
+    """Return the box of what is not zero on a plate, larger by a margin on all sides, pixels."""
+    rows, columns = (np.flatnonzero(plate.any(axis=axis)) for axis in (1, 0))
+    top, left = max(rows[0] - margin, 0), max(columns[0] - margin, 0)
+    return slice(top, rows[-1] + margin + 1), slice(left, columns[-1] + margin + 1)
 
 
 def draw_lines(lines: Lines, canvas: Canvas) -> FloatMap:

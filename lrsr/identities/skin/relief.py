@@ -9,6 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lrsr.identities.planes import cross, dot
+
 _MESH_DETAIL_MM = 1.6
 """Standard deviation of the blur that leaves what the vertices, about 2 mm apart, can carry."""
 
@@ -55,10 +57,11 @@ def displace(
     touched = np.take(faces, np.flatnonzero(corner[0] | corner[1] | corner[2]), axis=0).T
     axes = np.ascontiguousarray(vertices.T)
     a, b, c = (np.take(axes, corners, axis=1) for corners in touched)
-    across, corners = np.cross(b - a, c - a, axis=0), touched.ravel()
-    sums = (np.bincount(corners, np.concatenate([part] * 3), len(vertices)) for part in across)
-    x, y, z = (np.take(total, moving) for total in sums)
-    length = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-12)
-    for axis, normal in zip(axes, (x, y, z), strict=True):
-        axis[moving] += height[moving] * normal / length
+    corners = touched.ravel()
+    sums = (
+        np.bincount(corners, np.concatenate([part] * 3), len(vertices))
+        for part in cross(b - a, c - a)
+    )
+    normals = np.stack([np.take(total, moving) for total in sums])
+    axes[:, moving] += height[moving] * normals / np.maximum(np.sqrt(dot(normals, normals)), 1e-12)
     return np.ascontiguousarray(axes.T)
