@@ -50,6 +50,7 @@ class IjbStudy(SurveillanceSet):
     wanted: Wanted = field(default_factory=Wanted)
 
     key: ClassVar[str] = "ijb"
+    title: ClassVar[str] = "IARPA Janus Benchmark"
 
     def parts(self) -> list[Part]:
         """Return a search for each gallery.
@@ -66,7 +67,8 @@ class IjbStudy(SurveillanceSet):
         found = []
         for number, file in enumerate(asked.galleries, start=1):
             gallery, templates = copy.read(Path(file), "gallery")
-            part = self.part_of(number, Path(file).stem, {"probe": probes, "gallery": gallery})
+            pictures = {"probe": probes, "gallery": gallery}
+            part = self.part_of(number, f"IJB, {Path(file).stem}", pictures)
             kinds = {"probe": probe_templates, "gallery": templates}
             found.append(replace(part, search=True, templates=kinds))
         return found

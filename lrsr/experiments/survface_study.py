@@ -44,6 +44,7 @@ class SurvFaceStudy(SurveillanceSet):
     wanted: Wanted = field(default_factory=Wanted)
 
     key: ClassVar[str] = "survface"
+    title: ClassVar[str] = "QMUL-SurvFace"
 
     def parts(self) -> list[Part]:
         """Return the protocols.
@@ -56,7 +57,7 @@ class SurvFaceStudy(SurveillanceSet):
         for number, protocol in enumerate(self.wanted.protocols, start=1):
             pairs = protocol == "verification"
             probes, gallery = copy.pairs() if pairs else copy.search()
-            name = f"QMUL-SurvFace, {protocol}"
+            name = f"{self.title}, {protocol}"
             part = self.part_of(number, name, {"probe": probes, "gallery": gallery})
             if pairs:
                 found.append(replace(part, listed=True))

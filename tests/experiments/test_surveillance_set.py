@@ -41,6 +41,8 @@ def test_tinyface_is_a_search_among_distractors(tmp_path: Path, tone_model: Path
     assert "A threshold set on other people" not in page
     assert results["config"]["tinyface"] == {"root": str(root), "distractors": None}
     assert not (tmp_path / "run" / "scores.csv").exists()
+    assert "<h1>TinyFace</h1>" in page
+    assert "beside the truth" not in page  # nobody knows it
 
 
 def test_survface_has_listed_pairs_and_an_open_set(tmp_path: Path, tone_model: Path) -> None:
@@ -63,7 +65,7 @@ def test_ijb_compares_templates_with_each_gallery(tmp_path: Path, tone_model: Pa
     lists = "ijb.galleries=[protocols/gallery_S1.csv,protocols/gallery_S2.csv]"
     words = (lists, "ijb.probes=protocols/probe.csv", f"recognition.model={tone_model}")
     results, page = run(tmp_path, "ijb", f"ijb.root={root}", "ijb.margin=0", *words)
-    assert [row["setting"] for row in results["rows"]] == ["gallery_S1", "gallery_S2"]
+    assert [row["setting"] for row in results["rows"]] == ["IJB, gallery_S1", "IJB, gallery_S2"]
     for row, found in zip(results["rows"], results["searches"], strict=True):
         assert (row["n_genuine"], row["n_impostor"], row["auc"]) == (2, 6, 1)
         assert (found["n_mated"], found["n_unmated"], found["n_gallery"]) == (2, 2, 2)
