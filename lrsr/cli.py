@@ -53,6 +53,9 @@ _COMMANDS = {
 _OPERANDS = {"score": "files", "compare": "files", "upscale": "images"}
 """Commands that take words without a key, and the setting that they are."""
 
+_LOGS_KEY, _LOGS = "hydra.launcher.submitit_folder", "runs/submitit/%j"
+"""A folder for each of submitit's jobs."""
+
 _USAGE = f"""lrsr {__version__}: what can still be recognised in a face ten pixels wide?
 
 usage: lrsr COMMAND [key=value ...] [--cfg job] [--multirun] [--help] [--debug]
@@ -196,12 +199,16 @@ def _mended(args: Any, name: str, scratch: Path) -> list[str]:
     """Return the overrides as Hydra reads what was meant.
 
     In ``scratch`` go cameras of the user's, and in a multirun what Hydra writes: multirun.yaml and
-    an empty folder for each job, which say less than the runs' own.
+    an empty folder for each job, which say less than the runs' own. What submitit's jobs are told
+    and print stays in ``runs``, for other machines do not see ``scratch``.
     """
     given = [args.config_path or config_folder(), *filter(None, [args.config_dir])]
     folders = [*(Path(folder).absolute() for folder in given), scratch]
     words = _with_operands(args.overrides, name)
     words = [_with_given_cameras(word, scratch, args.multirun) for word in words]
+    submitit = any(word.startswith("hydra/launcher=submitit") for word in words)
+    if submitit and not any(word.startswith(_LOGS_KEY) for word in words):
+        words.append(f"{_LOGS_KEY}={quoted_word(f'{Path.cwd()}/{_LOGS}')}")
     mended = Overrides(args.config_name or name, folders, args.multirun).mended(words)
     return [f'hydra.sweep.dir="{scratch}"', f'hydra.searchpath=["file://{scratch}"]', *mended]
 

@@ -50,6 +50,7 @@ _PATHS = {
     "probe",
     "enrolled",
     "reconstructor",
+    "path",
 }
 _FOLDERS = ("gallery", "probes")
 """Sections whose ``folder`` may be given as if it were all of them."""
@@ -214,7 +215,7 @@ class Overrides:
         if len(above) == len(parts):
             return
         outer, part = parts[: len(above)], parts[len(above)]
-        if isinstance(node, dict) and "_target_" in node:
+        if above and isinstance(node, dict) and "_target_" in node:
             fields = sorted(fields_of(node["_target_"]) or [part])
             if part not in fields and not part.startswith("_"):
                 hint = f"{_meant(part, fields)}; {'.'.join(outer)} has {', '.join(fields)}"

@@ -60,6 +60,20 @@ def test_no_path_is_null_and_quotes_can_be_the_users() -> None:
     assert value(mended("out='a, b'")[0]) == "a, b"
 
 
+def test_where_the_pictures_of_a_list_are_needs_no_quotes() -> None:
+    typed = "ijb.path=frames/{video}_{frame:0>6}.jpg"
+    mend = mended("experiment=ijb", typed, command="eval")
+    assert value(mend[-1]) == typed.partition("=")[2]
+
+
+def test_a_misspelt_section_is_refused_without_loading_what_the_experiment_is_made_of(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("lrsr.overrides.fields_of", None)  # would import PyTorch
+    with pytest.raises(InputError, match=r"did you mean identities\.count"):
+        mended("idnetities.count=3", command="eval")
+
+
 def test_a_comma_parts_values_in_a_multirun_only() -> None:
     assert mended("out=a b,ü", sweep=True) == ['++out="a b","ü"']
     assert mended('out="a,b",c', sweep=True) == ['++out="a,b","c"']

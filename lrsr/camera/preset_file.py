@@ -21,6 +21,8 @@ from lrsr.errors import InputError
 
 _LARGEST_BYTES = 2**16
 """A camera with every setting and its comments has a few thousand."""
+_DEEPEST = 20
+"""A camera has half a dozen levels; parsers take seconds over thousands."""
 
 _CLASSES: list[type[nn.Module]] = [Camera, *(kind for kinds in STAGES.values() for kind in kinds)]
 _PARTS = {
@@ -73,15 +75,20 @@ def _parsed(path: Path) -> dict[str, Any]:
     """Return the plain content of a file.
 
     Raises:
-        InputError: It cannot be read, or is too large, or no YAML, or uses aliases.
+        InputError: It cannot be read, is too large or too deep, or no YAML, or uses aliases.
     """
     try:
         content = path.read_bytes()
         if len(content) > _LARGEST_BYTES:
             raise InputError(f"{len(content)} bytes are too many for a camera; {_REMEDY}")
+        depth = 0
         for event in yaml.parse(content, Loader=yaml.SafeLoader):
             if isinstance(event, yaml.AliasEvent):
                 raise InputError(f"*{event.anchor} repeats something; write the value itself")
+            depth += isinstance(event, yaml.CollectionStartEvent)
+            depth -= isinstance(event, yaml.CollectionEndEvent)
+            if depth > _DEEPEST:
+                raise InputError(f"it goes more than {_DEEPEST} levels deep; {_REMEDY}")
         loaded: Any = OmegaConf.to_container(OmegaConf.load(io.BytesIO(content)), resolve=False)
         return loaded  # type: ignore[no-any-return]  # `build_camera` looks what it is
     except OSError as error:

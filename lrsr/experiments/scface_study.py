@@ -117,6 +117,7 @@ class SCFaceStudy(SurveillanceSet):
     photographed: IdentityRange | None = None
 
     key: ClassVar[str] = "scface"
+    title: ClassVar[str] = "SCface"
     unread: ClassVar[tuple[str, ...]] = ("camera", "probes", *OF_VERIFICATION)
 
     @classmethod

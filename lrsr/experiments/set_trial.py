@@ -8,7 +8,7 @@ from typing import Any
 import torch
 
 from lrsr.errors import InputError, ScoreError
-from lrsr.evaluation.arranged import diagonal, mean_templates
+from lrsr.evaluation.arranged import Templates, diagonal, mean_templates
 from lrsr.evaluation.identification import identify
 from lrsr.evaluation.score_files.system import System
 from lrsr.evaluation.scores import ScoreSource
@@ -34,7 +34,8 @@ class Part:
         development: People on whom a threshold is set; empty: none is.
         evaluation: Others, on whom it is judged.
         search: Look for every probe in the whole gallery.
-        templates: A person's enrolled pictures become one template, the mean of their embeddings.
+        templates: Which pictures are compared as one, the mean of their embeddings, by kind as
+            ``photographs``; of a kind that is not there each is by itself.
         listed: Probe k is compared with enrolled picture k alone.
     """
 
@@ -44,7 +45,7 @@ class Part:
     development: frozenset[str] = frozenset()
     evaluation: frozenset[str] = frozenset()
     search: bool = False
-    templates: bool = False
+    templates: Mapping[str, Templates] = field(default_factory=dict)
     listed: bool = False
 
     def arrange(self, system: System) -> System:
@@ -56,15 +57,19 @@ class Part:
         """
         if self.listed:
             return replace(system, source=diagonal(system.source))
-        if self.templates:
-            try:
-                source = mean_templates(system.source)
-            except ScoreError as error:
-                raise InputError(
-                    f"recognition: {error}; name recognisers that have such"
-                ) from error
-            return replace(system, source=source, gallery=source.gallery_ids)
-        return system
+        if not self.templates:
+            return system
+        probes, gallery = (self.templates.get(kind) for kind in ("probe", "gallery"))
+        try:
+            source = mean_templates(system.source, probes=probes, gallery=gallery)
+        except ScoreError as error:
+            raise InputError(f"recognition: {error}; name recognisers that have such") from error
+        return System(
+            source,
+            system.probes if probes is None else probes.names,
+            system.gallery if gallery is None else gallery.names,
+            system.qualities if probes is None else {},  # a detector is sure of pictures
+        )
 
 
 @dataclass(frozen=True)

@@ -61,6 +61,8 @@ class SurveillanceSet(Design, ABC):
     wanted: Any = None
 
     key: ClassVar[str]
+    title: ClassVar[str]
+    """What its owners call the set."""
     unread: ClassVar[tuple[str, ...]] = ("probes", *OF_VERIFICATION, *OF_RENDERING)
     """Settings of ``lrsr eval`` that change nothing here."""
 
@@ -189,7 +191,7 @@ class SurveillanceSet(Design, ABC):
             done=(*done, *_DONE, *told),
             not_done=(*not_done, *untold, *hidden),
             page="surveillance_set",
-            more=_tables(results),
+            more={"title": self.title, **_tables(results)},
         )
         for row in results["rows"]:
             logger.info("%s", _line(row))

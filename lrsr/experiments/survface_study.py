@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from lrsr.configuration import require
+from lrsr.evaluation.arranged import Templates
 from lrsr.experiments.set_trial import Part
 from lrsr.experiments.surveillance_set import SurveillanceSet, root_of
 from lrsr.pictures.survface import SurvFace
@@ -43,6 +44,7 @@ class SurvFaceStudy(SurveillanceSet):
     wanted: Wanted = field(default_factory=Wanted)
 
     key: ClassVar[str] = "survface"
+    title: ClassVar[str] = "QMUL-SurvFace"
 
     def parts(self) -> list[Part]:
         """Return the protocols.
@@ -55,9 +57,13 @@ class SurvFaceStudy(SurveillanceSet):
         for number, protocol in enumerate(self.wanted.protocols, start=1):
             pairs = protocol == "verification"
             probes, gallery = copy.pairs() if pairs else copy.search()
-            name = f"QMUL-SurvFace, {protocol}"
+            name = f"{self.title}, {protocol}"
             part = self.part_of(number, name, {"probe": probes, "gallery": gallery})
-            found.append(replace(part, listed=pairs, search=not pairs, templates=not pairs))
+            if pairs:
+                found.append(replace(part, listed=True))
+                continue
+            templates = {"gallery": Templates(gallery.identity_ids)}
+            found.append(replace(part, search=True, templates=templates))
         return found
 
     def sentences(self) -> tuple[Sequence[str], Sequence[str]]:

@@ -32,6 +32,7 @@ class TinyFaceStudy(SurveillanceSet):
     wanted: Wanted = field(default_factory=Wanted)
 
     key: ClassVar[str] = "tinyface"
+    title: ClassVar[str] = "TinyFace"
 
     def parts(self) -> list[Part]:
         """Return the one search.
@@ -42,4 +43,4 @@ class TinyFaceStudy(SurveillanceSet):
         root = root_of(self.wanted.root, "tinyface.root")
         copy = TinyFace(root, self.wanted.distractors)
         pictures = {"probe": copy.probes(), "gallery": copy.gallery()}
-        return [replace(self.part_of(1, "TinyFace", pictures), search=True)]
+        return [replace(self.part_of(1, self.title, pictures), search=True)]

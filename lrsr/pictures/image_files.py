@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lrsr.errors import InputError
 from lrsr.files import write_bytes
+from lrsr.identities.photographs.picture_file import decode
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
 """Of files that are taken for pictures, in small letters."""
@@ -39,7 +40,7 @@ def read_image(path: Path) -> torch.Tensor:
     Raises:
         InputError: There is no such file, it cannot be read, or it is no whole picture.
     """
-    return _to_srgb(decode(read_file(path), path))
+    return _to_srgb(decode(read_file(path), str(path)))
 
 
 def read_file(path: Path) -> bytes:
@@ -54,26 +55,6 @@ def read_file(path: Path) -> bytes:
         raise InputError(
             f"cannot read {path}: {error.strerror or error}; check the path and its rights"
         ) from error
-
-
-def decode(content: bytes, path: Path) -> NDArray[np.uint8 | np.uint16]:
-    """Return the pixels of a file ``(H, W, 3)``, RGB, turned as its Exif says, without opacity.
-
-    Args:
-        content: Of the file.
-        path: For messages.
-
-    Raises:
-        InputError: It is no whole picture, or of more pixels than OpenCV takes.
-    """
-    flags = cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH
-    try:
-        pixels = cv2.imdecode(np.frombuffer(content, np.uint8), flags) if content else None
-    except cv2.error as error:  # e.g. of more pixels than OpenCV takes
-        raise InputError(f"cannot read {path}: {error.err}; make it smaller") from error
-    if pixels is None or pixels.dtype not in (np.uint8, np.uint16):
-        raise InputError(f"{path} is no picture, or a broken one: make it again")
-    return np.ascontiguousarray(pixels[..., ::-1])
 
 
 def _to_srgb(pixels: NDArray[np.uint8 | np.uint16]) -> torch.Tensor:

@@ -14,6 +14,9 @@ from lrsr.pictures.picture import Picture
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import CHUNK, filmed, render_missing, take_pictures
 
+_MOST_VALUES = 2**24
+"""64 MiB, and sixteen times that when all are enlarged four times."""
+
 
 @dataclass(frozen=True)
 class Rendered:
@@ -211,10 +214,20 @@ def _burst(entry: Entry) -> tuple[object, ...]:
 
 
 def chunks(source: Source) -> Iterator[tuple[slice, list[Picture]]]:
-    """Yield the pictures of a source a few at a time, with their places."""
-    for start in range(0, len(source.identity_ids), CHUNK):
-        stop = min(start + CHUNK, len(source.identity_ids))
-        yield slice(start, stop), source.load(start, stop)
+    """Yield the pictures of a source a few at a time, with their places.
+
+    Of photographs, which may be large, as many as have :data:`_MOST_VALUES` together.
+    """
+    total = len(source.identity_ids)
+    step = CHUNK if all(isinstance(one, Rendered) for one in _frames(source)) else 1
+    some: list[Picture] = []
+    for start in range(0, total, step):
+        stop = min(start + step, total)
+        some += source.load(start, stop)
+        values = sum(one.image.numel() for one in some)
+        if len(some) >= CHUNK or values >= _MOST_VALUES or stop == total:
+            yield slice(stop - len(some), stop), some
+            some = []
 
 
 def render_sources(sources: Sequence[Source], share: tuple[int, int] = (0, 1)) -> int:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from PIL import ExifTags, Image, ImageOps, TiffImagePlugin, UnidentifiedImageError
 
 from lrsr.errors import InputError
-from lrsr.pictures.image_files import decode
+from lrsr.identities.photographs.picture_file import decode
 
 #: Of a picture: ``(H, W, C)``.
 Pixels = NDArray[np.uint8 | np.uint16]
@@ -136,16 +136,13 @@ def read_stored(content: bytes, path: Path) -> tuple[Header, Pixels, Pixels | No
         InputError: See :func:`read_header`; or it was cut short.
     """
     header = read_header(content, path)
-    pixels = decode(content, path)
+    pixels = decode(content, str(path))
     with _opened(content, path) as image:
         lies = str(getattr(image, "tile", ""))
         image.load()  # OpenCV fills in grey where a file was cut short
         opacity = None
         if header.opacity and pixels.dtype == np.uint8:
-            shown = np.asarray(ImageOps.exif_transpose(image).convert("RGBA"))
-            opacity = shown[..., 3:]
-            if header.format == "TIFF":  # OpenCV darkens what is transparent
-                pixels = np.ascontiguousarray(shown[..., :3])
+            opacity = np.asarray(ImageOps.exif_transpose(image).convert("RGBA"))[..., 3:]
         elif header.opacity:
             opacity = _deep_opacity(content, path, image, darkened="RGBa" in lies)
     return header, pixels[..., :1] if header.grey else pixels, opacity

@@ -3,13 +3,14 @@
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from omegaconf import DictConfig
 
-from lrsr.cli import _COMMANDS, main
+from lrsr.cli import _COMMANDS, _mended, main
 from lrsr.errors import InputError
 
 
@@ -139,3 +140,22 @@ def test_a_reader_that_stops_early_is_no_fault(tmp_path: Path) -> None:
         assert writer.stderr is not None
         writer.stdout.close()
         assert writer.stderr.read() == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "folders"),
+    [
+        (["hydra/launcher=submitit_slurm"], ["{}/runs/submitit/%j"]),
+        (["hydra/launcher=submitit_local", "hydra.launcher.submitit_folder=x/%j"], ["x/%j"]),
+        (["hydra/launcher=joblib"], []),
+    ],
+    ids=["slurm", "given", "joblib"],
+)
+def test_what_submitits_jobs_print_stays_where_all_machines_see_it(
+    words: list[str], folders: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = {"config_path": None, "config_dir": None, "config_name": None, "multirun": True}
+    mended = _mended(SimpleNamespace(overrides=words, **line), "eval", tmp_path)
+    given = [word.partition("=")[2].strip('"') for word in mended if "submitit_folder" in word]
+    assert given == [folder.format(tmp_path) for folder in folders]

@@ -1,4 +1,4 @@
-"""Tests of lrsr/experiments/surveillance_set.py and two of its studies, on made-up copies."""
+"""Tests of lrsr/experiments/surveillance_set.py and three of its studies, on made-up copies."""
 
 import json
 from pathlib import Path
@@ -6,14 +6,15 @@ from typing import Any
 
 import pytest
 from fakes.configurations import composed
-from fakes.sets import write_survface, write_tinyface
+from fakes.sets import write_ijb, write_survface, write_tinyface
 
 from lrsr.errors import InputError
+from lrsr.experiments.ijb_study import IjbStudy
 from lrsr.experiments.survface_study import SurvFaceStudy
 from lrsr.experiments.tinyface_study import TinyFaceStudy
 from lrsr.pictures.cache import RenderCache
 
-STUDIES = {"tinyface": TinyFaceStudy, "survface": SurvFaceStudy}
+STUDIES = {"tinyface": TinyFaceStudy, "survface": SurvFaceStudy, "ijb": IjbStudy}
 
 
 def run(folder: Path, name: str, *words: str) -> tuple[dict[str, Any], str]:
@@ -40,6 +41,8 @@ def test_tinyface_is_a_search_among_distractors(tmp_path: Path, tone_model: Path
     assert "A threshold set on other people" not in page
     assert results["config"]["tinyface"] == {"root": str(root), "distractors": None}
     assert not (tmp_path / "run" / "scores.csv").exists()
+    assert "<h1>TinyFace</h1>" in page
+    assert "beside the truth" not in page  # nobody knows it
 
 
 def test_survface_has_listed_pairs_and_an_open_set(tmp_path: Path, tone_model: Path) -> None:
@@ -55,6 +58,36 @@ def test_survface_has_listed_pairs_and_an_open_set(tmp_path: Path, tone_model: P
     assert found["open_set"][0]["tpir"] == 1
     for told in ("TPIR20", "one template, the mean of embeddings", "QMUL-SurvFace, verification"):
         assert told in page
+
+
+def test_ijb_compares_templates_with_each_gallery(tmp_path: Path, tone_model: Path) -> None:
+    root = write_ijb(tmp_path / "set")
+    lists = "ijb.galleries=[protocols/gallery_S1.csv,protocols/gallery_S2.csv]"
+    words = (lists, "ijb.probes=protocols/probe.csv", f"recognition.model={tone_model}")
+    results, page = run(tmp_path, "ijb", f"ijb.root={root}", "ijb.margin=0", *words)
+    assert [row["setting"] for row in results["rows"]] == ["IJB, gallery_S1", "IJB, gallery_S2"]
+    for row, found in zip(results["rows"], results["searches"], strict=True):
+        assert (row["n_genuine"], row["n_impostor"], row["auc"]) == (2, 6, 1)
+        assert (found["n_mated"], found["n_unmated"], found["n_gallery"]) == (2, 2, 2)
+        assert (found["hits"][0]["rate"], found["open_set"][-1]["tpir"]) == (1, 1)
+    assert results["config"]["parts"]["1"]["probe_pictures"] == 12
+    for told in ("the mean of the embeddings of its media", "lists of pairs", "gallery_S2"):
+        assert told in page
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ([], r"ijb\.probes=null: wanted a CSV file of the set"),
+        (["ijb.probes=p.csv"], r"ijb\.galleries=\[\]: wanted CSV files"),
+        (["ijb.margin=-1"], r"ijb\.margin=-1"),
+        (["ijb.frames=0"], r"ijb\.frames=0"),
+    ],
+    ids=["probes", "galleries", "margin", "frames"],
+)
+def test_what_ijb_needs_must_be_given(tmp_path: Path, words: list[str], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        run(tmp_path, "ijb", f"ijb.root={tmp_path}", *words)
 
 
 @pytest.mark.parametrize("name", [*STUDIES])

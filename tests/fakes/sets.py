@@ -1,5 +1,6 @@
 """Made-up copies of published sets: their folders and names, and people made of tones."""
 
+import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,13 +21,24 @@ def points_of(ipd_px: float, side: int) -> NDArray[np.float64]:
     return points
 
 
-def write_face(path: Path, person: int, side: int = 48, *, seed: int = 0, noise: int = 25) -> None:
-    """Write somebody: 6 by 6 tones over the frame, a little noise, as a JPEG."""
-    tones = np.random.default_rng(person).integers(0, 230, (6, 6, 3), np.uint8)
-    face = cv2.resize(tones, (side, side), interpolation=cv2.INTER_LINEAR)
+def tones(person: int, side: int, *, seed: int = 0, noise: int = 25) -> NDArray[np.uint8]:
+    """Return somebody: 6 by 6 tones over the frame and a little noise, ``(side, side, 3)``."""
+    coarse = np.random.default_rng(person).integers(0, 230, (6, 6, 3), np.uint8)
+    face = cv2.resize(coarse, (side, side), interpolation=cv2.INTER_LINEAR)
     grain = np.random.default_rng(seed + person).integers(0, noise, face.shape, np.uint8)
+    return np.asarray(face + grain, np.uint8)
+
+
+def write_picture(path: Path, pixels: NDArray[np.uint8]) -> None:
+    """Write a picture, as JPEG or PNG, and the folder that it is to be in."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(cv2.imencode(".jpg", face + grain, [cv2.IMWRITE_JPEG_QUALITY, 95])[1])
+    how = [cv2.IMWRITE_JPEG_QUALITY, 95] if path.suffix.lower() == ".jpg" else []
+    path.write_bytes(cv2.imencode(path.suffix, pixels, how)[1])
+
+
+def write_face(path: Path, person: int, side: int = 48, *, seed: int = 0, noise: int = 25) -> None:
+    """Write somebody; see :func:`tones`."""
+    write_picture(path, tones(person, side, seed=seed, noise=noise))
 
 
 def write_scface(
@@ -120,4 +132,54 @@ def write_survface(root: Path, people: int = 4, strangers: int = 3) -> Path:
     for word, pairs in (("positive", positive), ("negative", negative)):
         name = f"{word}_pairs_names"
         savemat(verify / f"{name}.mat", {name: cells(pairs)})
+    return root
+
+
+def write_table(path: Path, rows: Sequence[dict[str, object]]) -> None:
+    """Write a CSV file with the columns of its first row."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def write_ijb(root: Path) -> Path:
+    """Write a made-up IJB: subjects 1, 2 in one gallery and 3, 4 in the other.
+
+    Subject k is template k in ``gallery_S1.csv`` or ``gallery_S2.csv``, two stills, and template
+    100 + k in ``probe.csv``, a still and two frames of one video. Stills hold a face of 24 px at
+    (10, 4) of 64 px; frames, two faces of 20 px side by side, those of k and its neighbour.
+    """
+    side, small = 24, 20
+    galleries: dict[str, list[dict[str, object]]] = {"S1": [], "S2": []}
+    probes: list[dict[str, object]] = []
+
+    def row(template: int, who: int, file: str, sighting: int, *box: int) -> dict[str, object]:
+        columns = ("FACE_X", "FACE_Y", "FACE_WIDTH", "FACE_HEIGHT")
+        told = {"TEMPLATE_ID": template, "SUBJECT_ID": who, "FILENAME": file}
+        return {**told, "SIGHTING_ID": sighting, **dict(zip(columns, box, strict=True))}
+
+    for who in range(1, 5):
+        for number in range(3):
+            file = f"img/{who}_{number}.png"
+            scene = np.full((48, 64, 3), 30, np.uint8)
+            scene[4 : 4 + side, 10 : 10 + side] = tones(who, side, seed=number)
+            write_picture(root / file, scene)
+            template, rows = 100 + who, probes
+            if number:
+                template, rows = who, galleries["S1" if who < 3 else "S2"]
+            rows.append(row(template, who, file, 10 * who + number, 10, 4, side, side))
+    for number in range(2):
+        for pair in ((1, 2), (3, 4)):
+            file = f"frames/{pair[0]}_{number}.png"
+            scene = np.full((48, 64, 3), 30, np.uint8)
+            for place, who in enumerate(pair):
+                left = 2 + 30 * place
+                scene[8 : 8 + small, left : left + small] = tones(who, small, seed=9 + number)
+                probes.append(row(100 + who, who, file, 500 + who, left, 8, small, small))
+            write_picture(root / file, scene)
+    for name, rows in galleries.items():
+        write_table(root / "protocols" / f"gallery_{name}.csv", rows)
+    write_table(root / "protocols" / "probe.csv", probes)
     return root

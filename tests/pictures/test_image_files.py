@@ -66,6 +66,27 @@ def test_grey_becomes_three_channels_and_opacity_is_left_out(tmp_path: Path) -> 
         assert read_image(tmp_path / name).mul(255).unique().tolist() == [128.0]
 
 
+@pytest.mark.parametrize("compression", [None, "tiff_lzw"])
+def test_a_transparent_tiff_has_the_colours_of_its_file(
+    tmp_path: Path, compression: str | None
+) -> None:
+    glass = Image.new("RGBA", (4, 3), (200, 100, 50, 7))
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    glass.save(tmp_path / "glass.tif", compression=compression, exif=exif)
+    image = read_image(tmp_path / "glass.tif")
+    assert image.shape == (3, 4, 3)
+    assert image[:, 1, 1].mul(255).round().tolist() == [200, 100, 50]
+
+
+def test_a_transparent_tiff_that_is_cut_short_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "glass.tif"
+    Image.effect_noise((64, 64), 90).convert("RGBA").save(path)
+    path.write_bytes(path.read_bytes()[:-900])
+    with pytest.raises(InputError, match=r"glass\.tif"):
+        read_image(path)
+
+
 def test_what_lies_outside_is_clipped(tmp_path: Path) -> None:
     write_png(tmp_path / "a.png", torch.tensor([-1.0, 0.5, 2.0])[:, None, None])
     assert (read_image(tmp_path / "a.png") * 255).flatten().tolist() == [0, 128, 255]

@@ -144,6 +144,17 @@ def test_chunks_are_all_pictures_once_in_order(tmp_path: Path) -> None:
     assert list(chunks(Photographs(tmp_path))) == []
 
 
+def test_large_photographs_are_looked_at_a_few_at_a_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for number, side in enumerate((4, 20, 4, 4, 30)):
+        write_png(tmp_path / f"{number}.png", torch.zeros(3, side, side))
+    monkeypatch.setattr("lrsr.pictures.source._MOST_VALUES", 3 * 20 * 20)
+    found = list(chunks(read_photographs(tmp_path, "probe")))
+    assert [place for place, _ in found] == [slice(0, 2), slice(2, 5)]
+    assert [[len(one.image[0]) for one in some] for _, some in found] == [[4, 20], [4, 4, 30]]
+
+
 def test_pictures_of_several_sizes_keep_their_sizes(tmp_path: Path) -> None:
     photograph(tmp_path / "anna.png", 8, 6)
     photograph(tmp_path / "bert.png", 5, 9)

@@ -60,7 +60,8 @@ def write_case(
     """
     rows, config = results["rows"], results["config"]
     several = several_sources(rows)
-    titles = [f"{condition_of(row, several)}, {row['label']}" for row in rows]
+    conditions = [condition_of({**row, "option": None}, several) for row in rows]  # there is one
+    titles = [f"{told}, {row['label']}" for told, row in zip(conditions, rows, strict=True)]
     real = any(line["judged_on"] == REAL for line in results["evidence"])
     return write_page(
         folder,
@@ -72,9 +73,13 @@ def write_case(
             {
                 "title": title,
                 "row": row,
-                "evidence": [line for line in results["evidence"] if _same(line, row)],
+                "evidence": [
+                    {**line, "basis": _basis(line)}
+                    for line in results["evidence"]
+                    if _same(line, row)
+                ],
                 "ratios": [
-                    {**line, "words": ratio_words(line, config["level"])}
+                    {**line, "basis": _basis(line), "words": ratio_words(line, config["level"])}
                     for line in results["ratios"]
                     if _same(line, row)
                 ],
@@ -100,6 +105,12 @@ def _same(line: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
     return all(line[name] == row[name] for name in names)
 
 
+def _basis(line: Mapping[str, Any]) -> str:
+    """Return on what was calibrated, as part of a sentence."""
+    name = str(line["calibrated_on"])
+    return name if name in (CASE, REAL) else f"generic pictures ({name})"
+
+
 def _answer(results: Mapping[str, Any]) -> Iterator[str]:
     """Yield what the score is worth, and how good the calibrations are."""
     level = results["config"]["level"]
@@ -110,13 +121,13 @@ def _answer(results: Mapping[str, Any]) -> Iterator[str]:
             told = f"in this case a score of {one['score']:.3f} has the likelihood ratio"
             yield f"{who}: {told} {words}."
         else:
-            yield f"{who}: calibrated on {one['calibrated_on']} it would have {words}."
+            yield f"{who}: calibrated on {_basis(one)} it would have {words}."
     judged: dict[str, list[Mapping[str, Any]]] = {}
     for one in results["evidence"]:
         who = " ".join(filter(None, (one["recogniser"], one["label"], one["landmarks"])))
         judged.setdefault(f"{who}, judged on {one['judged_on']}", []).append(one)
     for title, some in judged.items():
-        costs = ", ".join(f"{one['cllr']:.3f} by {one['calibrated_on']}" for one in some)
+        costs = ", ".join(f"{one['cllr']:.3f} by {_basis(one)}" for one in some)
         bad = "; more than 1 is worse than no evidence" if any(o["cllr"] > 1 for o in some) else ""
         yield f"{title}: ratios cost (Cllr) {costs}{bad}."
     yield from results["missing"]

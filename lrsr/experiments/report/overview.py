@@ -112,5 +112,5 @@ class Overview:
         words = [f"{axis} {name}" for axis, name in named]
         rest = words[_MANY:] + ([] if ipd_px is None else [f"IPD {ipd_px:g} px"])
         if len(named) < _MANY:
-            return named[0][1], "", ", ".join(rest)
+            return named[0][1], "", ", ".join([named[0][0], *rest])
         return words[1], words[0], ", ".join(rest)

@@ -78,7 +78,6 @@ def write_report(
     return write_page(
         folder,
         page,
-        title=config["name"].replace("_", " ").capitalize(),
         question=config["question"],
         heat_maps=view.heat_maps(rows),
         grids=[
@@ -108,7 +107,11 @@ def write_report(
         not_done=not_done,
         versions=results["versions"],
         seed=config["seed"],
-        **{"answer": list(extremes(lines) or best_methods(lines)), **(more or {})},
+        **{
+            "title": config["name"].replace("_", " ").capitalize(),
+            "answer": list(extremes(lines) or best_methods(lines)),
+            **(more or {}),
+        },
     )
 
 

@@ -46,12 +46,12 @@ def draw_contact_sheet(pictures: Mapping[str, torch.Tensor], rows: Sequence[str]
     left, top = _GAP_PX + _TILE_PX * bool(rows), heading_px + _GAP_PX
     sheet = np.ones((top + people * step, left + len(pictures) * step, 3))
     words = [
-        (row, left / 2, top + k * step + _TILE_PX / 2, 7.8) for k, row in enumerate(rows[:people])
+        (*_fitting(textwrap.wrap(row, _LETTERS)), left / 2, top + k * step + _TILE_PX / 2)
+        for k, row in enumerate(rows[:people])
     ]
     for number, (lines, column) in enumerate(zip(headings, pictures.values(), strict=True)):
         x = left + number * step
-        size = min(7.8, 112 / max([1, *map(len, lines)]))  # points that fit the width
-        words.append(("\n".join(lines), x + _TILE_PX / 2, heading_px / 2, size))
+        words.append((*_fitting(lines), x + _TILE_PX / 2, heading_px / 2))
         for row, tile in enumerate(_tiles(column)):
             y = top + row * step
             sheet[y : y + _TILE_PX, x : x + _TILE_PX] = tile.permute(1, 2, 0)
@@ -92,16 +92,21 @@ def draw_portraits(
     size = min(7.0, 7.0 * width / 160)  # points; 160 px hold "test-00000-female  f 41"
     lines = zip(captions, places, strict=True)
     return _draw(
-        sheet, [(text, x + width / 2, y + height + _LINE_PX / 2, size) for text, (y, x) in lines]
+        sheet, [(text, size, x + width / 2, y + height + _LINE_PX / 2) for text, (y, x) in lines]
     )
 
 
+def _fitting(lines: Sequence[str]) -> tuple[str, float]:
+    """Return lines as one text, and the size in points at which they are as wide as a tile."""
+    return "\n".join(lines), min(7.8, 112 / max([1, *map(len, lines)]))
+
+
 def _draw(sheet: NDArray[np.float64], words: Sequence[tuple[str, float, float, float]]) -> bytes:
-    """Encode ``(H, W, 3)`` in [0, 1] with words: x and y of the middle in px, size in points."""
+    """Encode ``(H, W, 3)`` in [0, 1] with words: size in points, x and y of the middle in px."""
     height, width, _ = sheet.shape
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
     figure.figimage(np.rint(sheet * 255).astype(np.uint8), xo=0, yo=0, origin="upper")
-    for text, x, y, size in words:
+    for text, size, x, y in words:
         figure.text(x / width, 1 - y / height, text, ha="center", va="center", fontsize=size)
     return png_bytes(figure)
 

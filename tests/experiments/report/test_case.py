@@ -49,7 +49,7 @@ class _Nothing:
 def test_the_score_is_told_first_by_every_calibration(tmp_path: Path) -> None:
     text = page(tmp_path, [line("this case", "this case", 0.5)])
     assert "theirs Base: in this case a score of 0.310 has the likelihood ratio 10" in text
-    assert "calibrated on good it would have 1,000" in text
+    assert "calibrated on generic pictures (good) it would have 1,000" in text
     assert "The score calibrated on mixed: too few." in text
 
 
@@ -57,7 +57,7 @@ def test_ratios_that_do_harm_are_called_so(tmp_path: Path) -> None:
     some = [line("this case", "real people", 0.8), line("good", "real people", 1.7)]
     said = "theirs Base own, judged on real people: ratios cost (Cllr) 0.800 by this case, 1.700"
     text = page(tmp_path, some)
-    assert f"{said} by good; more than 1 is worse than no evidence." in text
+    assert f"{said} by generic pictures (good); more than 1 is worse than no evidence." in text
     assert "more than 1 is worse" not in page(tmp_path, some[:1])
 
 

@@ -62,6 +62,17 @@ def test_a_long_heading_stays_above_its_column(long: str) -> None:
     assert _TILE_PX + 2 * _GAP_PX <= columns.min() < columns.max() < 2 * (_TILE_PX + _GAP_PX)
 
 
+@pytest.mark.parametrize("long", ["image_of_somebody_2024_05.jpg", "lighting side, compression"])
+def test_a_long_name_stays_left_of_its_row(long: str) -> None:
+    black = torch.zeros(2, 3, 4, 4)
+    png = draw_contact_sheet({"a": black}, [long, ""])
+    sheet = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_GRAYSCALE)
+    left = sheet[:, : _GAP_PX + _TILE_PX]
+    assert (left < 128).any()
+    assert (left[:, 0] == 255).all()
+    assert (left[:, -1] == 255).all()
+
+
 def test_columns_must_show_the_same_people() -> None:
     with pytest.raises(ImageContractError, match="as many people"):
         draw_contact_sheet({"a": torch.zeros(1, 3, 4, 4), "b": torch.zeros(2, 3, 4, 4)})
