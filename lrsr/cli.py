@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _COMMANDS = {
     "demo": "the whole story in minutes, into one report.html",
     "render": "probes, references and gallery into a folder",
-    "train": "sr=srcnn4x|fsrcnn4x|edsr4x|imdn4x|sparnet4x (or 2x), recognition=arcface",
+    "train": "sr=srcnn4x|fsrcnn4x|edsr4x|imdn4x|sparnet4x (or 2x), recognition=arcface, and more",
     "eval": "an experiment: results.json, report.html",
     "score": "anybody's scores in files: the same tables, likelihood ratios, pages",
     "compare": "two pictures: their score, and its likelihood ratio by scores=FILE",

@@ -25,6 +25,8 @@ _OPEN = {
 }
 """Sections that take parts under any name."""
 
+_TRAINED = {"sr", "recognition", "reconstructor"}
+"""Settings of other commands that name, in ``lrsr train``, what is trained."""
 _EXTRA = "debug"  # the group that no command has from the start
 _PATHS = {
     "out",
@@ -121,8 +123,8 @@ class Overrides:
             key, value = self._recognisers(value)
         if key in _FOLDERS and sign != "~" and not package and self._is_folder(key, value):
             key = f"{key}.folder"
-        # lrsr train sr=NAME and recognition=NAME mean train=NAME.
-        if self.command == "train" and key in {"sr", "recognition"} and self._options("train"):
+        # lrsr train sr=NAME, recognition=NAME and reconstructor=NAME mean train=NAME.
+        if self.command == "train" and key in _TRAINED and self._options("train"):
             key = "train"
         return _Word(sign, key, package or "", value)
 

@@ -182,8 +182,10 @@ def trainable(folder: Path) -> Overrides:
     return Overrides("train", [folder])
 
 
-@pytest.mark.parametrize("word", ["sr=srcnn2x", "recognition=srcnn2x", "train=srcnn2x"])
-def test_what_to_train_has_three_names(word: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "word", ["sr=srcnn2x", "recognition=srcnn2x", "reconstructor=srcnn2x", "train=srcnn2x"]
+)
+def test_what_to_train_has_four_names(word: str, tmp_path: Path) -> None:
     assert trainable(tmp_path).mended([word]) == ["train=srcnn2x"]
 
 

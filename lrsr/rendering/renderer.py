@@ -83,7 +83,7 @@ class Renderer:
                 f"samples_per_pixel={samples_per_pixel}, seed={seed}, camera_m={camera_m}: give"
                 " samples_per_pixel >= 1, seed >= 0, camera_m > 0"
             )
-        pose, viewpoint = scene.pose, _viewpoint(head, scene, film, camera_m)
+        pose, viewpoint = scene.pose, viewpoint_of(head, scene, film, camera_m)
         image = expose(
             self._live.show(head, scene.lighting, pose),
             self._path(),
@@ -127,7 +127,7 @@ class Renderer:
             raise InputError(
                 f"lens={scene.lens.name}: what lies behind a pixel is told of lens=pinhole"
             )
-        viewpoint = _viewpoint(head, scene, film)
+        viewpoint = viewpoint_of(head, scene, film)
         live = self._live.show(head, scene.lighting, scene.pose)
         names = [part.name for part in head.parts]
         return survey(live, names, viewpoint, scene.pose, film.scale)
@@ -136,7 +136,7 @@ class Renderer:
         return self._live.integrator(self.max_depth, _ROULETTE_DEPTH)
 
 
-def _viewpoint(head: Head, scene: Scene, film: Film, camera_m: float | None = None) -> Viewpoint:
+def viewpoint_of(head: Head, scene: Scene, film: Film, camera_m: float | None = None) -> Viewpoint:
     """Place the camera.
 
     Raises:

@@ -98,7 +98,7 @@ class Degradation:
             rows = torch.from_numpy(np.flatnonzero(kept))
             if len(rows):
                 moved = self.misalignment.matrices(len(rows), ipd_px, rng)
-                result[rows] = _crop(self._expose(faces[rows], rng), moved)
+                result[rows] = _crop(expose(faces[rows], self.colour, self.noise, rng), moved)
         chosen = np.flatnonzero(smaller)
         for start in range(0, len(chosen), self.group):
             rows = torch.from_numpy(chosen[start : start + self.group])
@@ -116,7 +116,7 @@ class Degradation:
         phase[:, :, 2] = rng.uniform(-0.5, 0.5, (len(faces), 2)) * factor
         shifted = _crop(faces, phase)
         small = F.interpolate(shifted, size=(side, side), mode="bilinear", antialias=True)
-        small = self._expose(small, rng)
+        small = expose(small, self.colour, self.noise, rng)
         if rng.random() < self.jpeg_share:
             small = jpeg(small, int(rng.integers(self.jpeg_quality[0], self.jpeg_quality[1] + 1)))
         if rng.random() < self.bicubic_share:
@@ -129,9 +129,22 @@ class Degradation:
         moved = self.misalignment.matrices(len(faces), TEMPLATE_IPD_PX * side / CROP_PX, rng)
         return _crop(small, moved @ back)
 
-    def _expose(self, faces: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
-        """Recolour, add noise, round to 8 bits."""
-        sigma = torch.from_numpy(rng.uniform(0, self.noise, (len(faces), 1, 1, 1))).to(faces)
-        noise = torch.from_numpy(rng.standard_normal(tuple(faces.shape), dtype=np.float32))
-        exposed = self.colour(faces, rng).addcmul(noise.to(faces), sigma)
-        return exposed.clamp_(0, 1).mul_(255).round_().div_(255)
+
+def expose(
+    faces: torch.Tensor, colour: Colour, noise: float, rng: np.random.Generator
+) -> torch.Tensor:
+    """Recolour faces, add noise, round to 8 bits.
+
+    Args:
+        faces: ``(B, 3, H, W)``, srgb, [0, 1].
+        colour: How they are recoloured.
+        noise: Highest standard deviation, of 1 = white.
+        rng: Source of every choice.
+
+    Returns:
+        The same shape, srgb, [0, 1].
+    """
+    sigma = torch.from_numpy(rng.uniform(0, noise, (len(faces), 1, 1, 1))).to(faces)
+    drawn = torch.from_numpy(rng.standard_normal(tuple(faces.shape), dtype=np.float32))
+    exposed = colour(faces, rng).addcmul(drawn.to(faces), sigma)
+    return exposed.clamp_(0, 1).mul_(255).round_().div_(255)

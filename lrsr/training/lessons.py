@@ -27,7 +27,7 @@ _GROUPS = {
 }
 _LISTS = {
     *("poses", "lightings", "expressions", "ipd_px", "validation_ipd_px"),
-    *("compressions", "enlargements"),
+    *("compressions", "enlargements", "distance_m"),
 }
 _COUNTS = ("validation_fraction", "validation_count")
 """Of the people to validate on."""
@@ -97,6 +97,7 @@ def _read_degradation(config: "DictConfig") -> Shrinking:
     degradation = build(given, "degradation")
     if not isinstance(degradation, Shrinking):
         wish = "none, camera, random_cameras or bsrgan; photographs is for recognition=arcface"
+        wish += ", portraits for reconstructor=position_map"
         raise InputError(f"degradation._target_={given['_target_']}: wanted {wish}")
     return degradation
 

@@ -1,7 +1,7 @@
 """How do people stand before a camera when nobody tells them to? Poses, lights, faces for training.
 
-The ranges are estimated: a head that turns at most 35° still shows both eyes, and a room lights a
-face with one or two lamps and whatever its walls send back.
+The ranges are estimated: a room lights a face with one or two lamps and whatever its walls send
+back.
 """
 
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lrsr.configuration import as_number, require
+from lrsr.configuration import as_list, as_number, require
 from lrsr.identities.face.expression import NEUTRAL, Expression
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.lights import Light
@@ -28,9 +28,10 @@ class Variety:
         expressions: Shown at 20 to 80 %.
         named_share: How often a named pose or lighting is drawn instead of a random one, 0..1.
         expression_share: How often an expression is drawn, 0..1; else the face is at rest.
+        turned_deg: Largest yaw, pitch and roll of a random pose, each 0 to 90.
 
     Raises:
-        InputError: A share is out of its range, or there is nothing to draw from.
+        InputError: A number is out of its range, or there is nothing to draw from.
     """
 
     poses: Sequence[Pose]
@@ -38,19 +39,24 @@ class Variety:
     expressions: Sequence[Expression]
     named_share: float
     expression_share: float
+    turned_deg: Sequence[float]
 
     def __post_init__(self) -> None:
         for name in ("named_share", "expression_share"):
             share = as_number(getattr(self, name), f"data.variety.{name}")
             require(0 <= share <= 1, f"data.variety.{name}", share, "0 to 1")
+        turned = as_list(self.turned_deg, "data.variety.turned_deg")
+        angles = [as_number(angle, "data.variety.turned_deg") for angle in turned]
+        holds = len(angles) == 3 and min(angles) >= 0 and max(angles) <= 90
+        require(holds, "data.variety.turned_deg", angles, "yaw, pitch, roll, each 0 to 90")
         for name in ("poses", "lightings", "expressions"):
             require(len(getattr(self, name)) > 0, f"data.variety.{name}", [], "at least one")
 
     def pose(self, rng: np.random.Generator) -> Pose:
-        """Draw a named pose, or yaw within ±35°, pitch within ±20° and roll within ±5°, uniform."""
+        """Draw a named pose, or one within the largest angles, uniform."""
         if rng.random() < self.named_share:
             return self.poses[int(rng.integers(len(self.poses)))]
-        yaw, pitch, roll = (rng.uniform(-1, 1, 3) * (35, 20, 5)).round(2).tolist()
+        yaw, pitch, roll = (rng.uniform(-1, 1, 3) * self.turned_deg).round(2).tolist()
         return Pose("random", yaw_deg=yaw, pitch_deg=pitch, roll_deg=roll)
 
     def lighting(self, rng: np.random.Generator) -> Lighting:

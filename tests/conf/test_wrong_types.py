@@ -47,6 +47,7 @@ COMMANDS = {
     ],
     "train-arcface": ["train=arcface"],
     "train-mixed-resolution": ["train=mixed_resolution"],
+    "train-position-map": ["train=position_map"],
     "train-images": ["train=srcnn2x", "data=images", "data.root=shown", "degradation=bsrgan"],
     "train-mixed": [
         *("train=srcnn2x_camera", "data=mixed", "data.root=shown", "data.crop_px=64"),

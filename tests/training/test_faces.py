@@ -28,7 +28,9 @@ def lessons(cache: RenderCache, maker: PaintedMaker, count: int = 3, **changes: 
     given: dict[str, Any] = {
         "people": [Person("train", index) for index in range(count)],
         "validation_people": [Person("validation", index) for index in range(2)],
-        "variety": Variety([FRONTAL], lightings, [preset("expression", "smile")], 0.3, share),
+        "variety": Variety(
+            [FRONTAL], lightings, [preset("expression", "smile")], 0.3, share, [35, 20, 5]
+        ),
         "gallery_lighting": lightings[0],
         "probe_lighting": lightings[1],
         "validation_ipd_px": [64, 14, 11, 8],

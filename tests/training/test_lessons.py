@@ -33,7 +33,7 @@ NAMES = (
         for name in ("srcnn955_", "fsrcnn", "imdn", "sparnet")
         for scale in (2, 3, 4)
     ),
-    *("arcface", "mixed_resolution"),
+    *("arcface", "mixed_resolution", "position_map"),
 )
 
 
@@ -78,7 +78,9 @@ def test_srcnn_is_trained_as_in_the_paper(name: str, epochs: int, scale: int) ->
 
 
 @pytest.mark.parametrize(
-    "name", ["srcnn2x", "arcface", "mixed_resolution"], ids=["pairs", "faces", "encounters"]
+    "name",
+    ["srcnn2x", "arcface", "mixed_resolution", "position_map"],
+    ids=["pairs", "faces", "encounters", "maps"],
 )
 @pytest.mark.parametrize(
     "changed",

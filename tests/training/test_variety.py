@@ -24,6 +24,7 @@ def variety(**changes: Any) -> Variety:
         "expressions": [named("expression", name) for name in EXPRESSIONS],
         "named_share": 0.3,
         "expression_share": 1.0,
+        "turned_deg": [35, 20, 5],
     }
     return Variety(**{**given, **changes})
 
@@ -68,6 +69,10 @@ def test_a_share_of_the_faces_acts() -> None:
     [
         ({"expression_share": 1.5}, "data.variety.expression_share=1.5: wanted 0 to 1"),
         ({"named_share": -1}, "data.variety.named_share=-1.0: wanted 0 to 1"),
+        (
+            {"turned_deg": [35, 20]},
+            r"data.variety.turned_deg=\[35.0, 20.0\]: wanted yaw, pitch, roll",
+        ),
         ({"poses": []}, r"data.variety.poses=\[\]: wanted at least one"),
     ],
     ids=str,

@@ -29,8 +29,7 @@ It returns a list of landmarks, or a map each texel of which is one, such as PRN
                                 # landmarks_to_roi), or "five": about the five points, once
     level = [33, 263]           # the points whose line the crop is turned by; not given: the eyes
 
-The box about the five points is a square of 2.6 times the longer of: eyes to mouth, 0.9 times eye
-to eye. Its middle is midway between eyes and mouth.
+:class:`~.crop.CropRule` says what the box about the five points is.
 """
 
 from dataclasses import dataclass
@@ -41,7 +40,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
-from lrsr.identities.photographs.crop import Crop
+from lrsr.identities.photographs.crop import Crop, CropRule, axes
 from lrsr.onnx import PerChannel, open_session, read_declared, run_lists
 from lrsr.paths import asset
 
@@ -50,9 +49,6 @@ Points = NDArray[np.float64]
 SHIPPED = "landmarkers/face_landmark.onnx"
 """MediaPipe's; licence and origin lie beside it."""
 _ROUNDS = 3
-_BOX_SIDE = 2.6
-"""Side of the box about five points, times the longer of: eyes to mouth, 0.9 times eye to eye."""
-_EYES_TO_MOUTH = 0.9
 _TABLES = {
     "": ("sha256", "licence", "source"),
     "input": ("channels", "size_px", "layout", "mean", "scale"),
@@ -144,6 +140,8 @@ class Landmarker:
         self.contract = _read_landmarker_contract(self.model)
         self._session = open_session(self.model)
         self._mirror = self.contract.mirrored()
+        told = self.contract
+        self._rule = CropRule(told.side, told.shift, told.size_px)
 
     def __call__(self, image: NDArray[np.float32], five_px: ArrayLike) -> Landmarks:
         """Find the points; what is found in the mirrored crop counts as much, where it is known.
@@ -157,7 +155,7 @@ class Landmarker:
                 say.
         """
         five = np.asarray(five_px, dtype=np.float64)
-        crop = self._first_crop(five)
+        crop = self._rule.of_five(five)
         for _ in range(_ROUNDS if self.contract.box == "points" else 1):
             points, score = self._look(crop.take(image))
             found = crop.back(points)
@@ -189,32 +187,16 @@ class Landmarker:
         logits = [float(one[0].ravel()[0]) for one in scores]
         return points, 1 / (1 + float(np.exp(-logits[0]))) if logits else None
 
-    def _first_crop(self, five: Points) -> Crop:
-        eyes, mouth = five[:2].mean(axis=0), five[3:].mean(axis=0)
-        across = five[1] - five[0]
-        reach = max(np.linalg.norm(mouth - eyes), _EYES_TO_MOUTH * np.linalg.norm(across))
-        turned = float(np.arctan2(across[1], across[0]))
-        return self._crop((eyes + mouth) / 2, _BOX_SIDE * float(reach), turned)
-
     def _next_crop(self, points: Points, angle: float) -> Crop:
         if self.contract.level:
             first, second = self.contract.level
             across = points[second] - points[first]
             angle = float(np.arctan2(across[1], across[0]))
-        axes = _axes(angle)
-        turned = points @ axes
+        turn = axes(angle)
+        turned = points @ turn
         low, high = turned.min(axis=0), turned.max(axis=0)
-        return self._crop(axes @ ((low + high) / 2), float((high - low).max()), angle)
-
-    def _crop(self, middle: Points, box_px: float, angle: float) -> Crop:
-        x, y = middle + _axes(angle) @ [0.0, self.contract.shift * box_px]
-        return Crop((float(x), float(y)), self.contract.side * box_px, angle, self.contract.size_px)
-
-
-def _axes(angle: float) -> Points:
-    """Return the directions of a turned crop's rows and columns, as columns ``(2, 2)``."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.array([[cosine, -sine], [sine, cosine]])
+        longer = float((high - low).max())
+        return self._rule.of_box(turn @ ((low + high) / 2), longer, angle)
 
 
 def _read_landmarker_contract(model: Path) -> _LandmarkerContract:

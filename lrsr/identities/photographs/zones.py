@@ -15,6 +15,7 @@ class Zones(NamedTuple):
     """Parts of the skin, each ``(S, S)`` bool.
 
     Attributes:
+        front: The face, from the hairline to below the chin and to before the ears.
         plain: Skin of the face without brows, eyes, lips and nostrils: what light is read from.
         core: Cheeks and nose, where neither hair nor the edge of the face comes.
         features: What is never taken for an outlier.
@@ -23,6 +24,7 @@ class Zones(NamedTuple):
         points: ``(S, S, 3)`` float32, mm, the template point of each texel.
     """
 
+    front: Mask
     plain: Mask
     core: Mask
     features: Mask
@@ -45,6 +47,7 @@ def zones(size: int) -> Zones:
     marked = eyes | brows | mouth | nostrils
     plain = front & ~marked
     return Zones(
+        front=front,
         plain=plain,
         core=plain & (y < -5) & (y > -60) & (aside < 50),
         features=marked | ((aside < 18) & (y < 5) & (y > -60)),
