@@ -109,6 +109,11 @@ class Fused(Several):
         """New size over old."""
         return self.fusion.scale * self.upscaler.scale
 
+    @property
+    def learned(self) -> bool:
+        """Did a part of it learn from pictures?"""
+        return self.fusion.learned or self.upscaler.learned
+
     def see(
         self, srgb: torch.Tensor, landmarks_px: torch.Tensor
     ) -> tuple[torch.Tensor, torch.Tensor]:

@@ -2,6 +2,7 @@
 
 from lrsr.sr.foreign import Foreign
 from lrsr.sr.fusion import Mean, ShiftAndAdd
+from lrsr.sr.learned_fusion import load_fusion
 from lrsr.sr.loading import load_upscaler
 from lrsr.sr.onnx_network import Onnx
 from lrsr.sr.registration import Correlation, TrueLandmarks
@@ -16,5 +17,6 @@ __all__ = [
     "ShiftAndAdd",
     "TrueLandmarks",
     "Upscaler",
+    "load_fusion",
     "load_upscaler",
 ]

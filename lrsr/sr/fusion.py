@@ -21,10 +21,12 @@ class BurstUpscaler(Protocol):
     Attributes:
         label: Its name in tables.
         scale: New size over old.
+        learned: Did it learn from pictures?
     """
 
     label: str
     scale: int
+    learned: bool
 
     def __call__(
         self, srgb: torch.Tensor, landmarks_px: torch.Tensor | None = None
@@ -42,9 +44,10 @@ class BurstUpscaler(Protocol):
         """Return what a report must say of it: label, scale, kind, registration, ..."""
 
 
-class _Fusion(ABC):
+class Registering(ABC):
     """What every fusion shares: the contract at both ends, registration, batches."""
 
+    learned = False
     _kind: str
     _batch_size = 16
 
@@ -87,7 +90,7 @@ class _Fusion(ABC):
         return {**about, "registration": self._register.describe()}
 
 
-class Mean(_Fusion):
+class Mean(Registering):
     """The mean of all frames, each looked at bicubically where the first one's points are.
 
     Of one frame that is the bicubic. Where a frame does not reach, it does not count; a frame that
@@ -114,10 +117,10 @@ class Mean(_Fusion):
         super().__init__(scale, registration, label)
 
     def _fuse(self, frames: torch.Tensor, motions: torch.Tensor) -> torch.Tensor:
-        return _lay_over(frames, motions, self.scale).nanmean(dim=1)
+        return lay_over(frames, motions, self.scale).nanmean(dim=1)
 
 
-class ShiftAndAdd(_Fusion):
+class ShiftAndAdd(Registering):
     """The picture that, seen as the camera sees, is nearest to all frames by the sum of deviations.
 
     Farsiu, Robinson, Elad and Milanfar, "Fast and robust multiframe super resolution", IEEE TIP
@@ -173,10 +176,10 @@ class ShiftAndAdd(_Fusion):
         require(self.iterations >= 1, "iterations", iterations, "at least 1")
 
     def _fuse(self, frames: torch.Tensor, motions: torch.Tensor) -> torch.Tensor:
-        picture = _lay_over(frames, motions, self.scale).nanquantile(0.5, dim=1)
+        picture = lay_over(frames, motions, self.scale).nanquantile(0.5, dim=1)
         height, width = frames.shape[-2:]
         there = motions.isfinite().all(dim=(-2, -1))
-        places = scale_points(_pixels_through(_inverse(motions), (height, width)), self.scale)
+        places = scale_points(pixels_through(_inverse(motions), (height, width)), self.scale)
         share = there / there.sum(dim=1, keepdim=True)
         for number in range(self.iterations):
             step = self.step * (1 - number / self.iterations)
@@ -224,7 +227,7 @@ class ShiftAndAdd(_Fusion):
         return {**super().describe(), **{name: getattr(self, name) for name in names}}
 
 
-def _lay_over(frames: torch.Tensor, motions: torch.Tensor, scale: int) -> torch.Tensor:
+def lay_over(frames: torch.Tensor, motions: torch.Tensor, scale: int) -> torch.Tensor:
     """Look at every frame where the points of the first one are, on a grid ``scale`` times finer.
 
     Args:
@@ -236,7 +239,7 @@ def _lay_over(frames: torch.Tensor, motions: torch.Tensor, scale: int) -> torch.
         ``(B, N, 3, scale * H, scale * W)``; NaN where a frame does not reach or is not registered.
     """
     height, width = frames.shape[-2:]
-    points = _pixels_through(motions, (scale * height, scale * width), scale)
+    points = pixels_through(motions, (scale * height, scale * width), scale)
     edge = points.new_tensor([width, height]) - 0.5
     inside = ((points >= -0.5) & (points <= edge)).all(dim=-1)
     known = points.nan_to_num().flatten(0, 1)[:, None]
@@ -245,7 +248,7 @@ def _lay_over(frames: torch.Tensor, motions: torch.Tensor, scale: int) -> torch.
     return looked.masked_fill(~inside[:, :, None], torch.nan)
 
 
-def _pixels_through(motions: torch.Tensor, size: tuple[int, int], finer: int = 1) -> torch.Tensor:
+def pixels_through(motions: torch.Tensor, size: tuple[int, int], finer: int = 1) -> torch.Tensor:
     """Return where motions take the pixels of a grid, ``(B, N, h, w, 2)``.
 
     Args:

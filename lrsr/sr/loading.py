@@ -27,7 +27,7 @@ def load_upscaler(
     Raises:
         InputError: The file is missing, broken or of another kind, or ``repeat`` is below 1.
     """
-    path = _find(Path(str(weights)).expanduser())
+    path = find_weights(weights)
     upscaler: OneStep
     if path.suffix == ".onnx":
         upscaler = Onnx(path, label, device=device)
@@ -45,6 +45,8 @@ def load_upscaler(
     return upscaler if repeat == 1 else Repeated(upscaler, repeat, label)
 
 
-def _find(path: Path) -> Path:
+def find_weights(weights: Path) -> Path:
+    """Return the file that is named, from here or else among those that ship."""
+    path = Path(str(weights)).expanduser()
     shipped = PACKAGE / "assets" / path
     return shipped if not path.exists() and shipped.is_file() else path

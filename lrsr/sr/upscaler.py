@@ -167,7 +167,7 @@ class _OfCard(OfNetwork):
     def __init__(
         self, network: Network, card: Card, label: str | None = None, *, device: str = "cpu"
     ) -> None:
-        if self._on_luminance != (card.input == "luminance"):
+        if card.input != ("luminance" if self._on_luminance else "rgb"):
             raise InputError(f"{card.architecture} takes {card.input}: use the other wrapper")
         kernel = ENLARGED_BY if self._on_luminance else card.enlarged_by  # of the chroma, at least
         about = {"kind": card.input, "lr_made_by": card.lr_made_by, "kernel": kernel}

@@ -35,7 +35,7 @@ class Card:
         architecture: Key of :data:`lrsr.sr.networks.NETWORKS`.
         arguments: The network's constructor arguments, plain values.
         scale: New size over old, 1 to 16.
-        input: "luminance" or "rgb", as the network says.
+        input: "luminance", "rgb" or "burst", as the network says.
         lr_made_by: How the small images came to be, in words.
         enlarged_by: The kernel that enlarges the small image before the network sees it,
             :data:`ENLARGED_BY`; "" where the network enlarges.
@@ -171,7 +171,7 @@ def _build(card: Card, tensors: Mapping[str, torch.Tensor]) -> Network:
             raise InputError(f"{name} holds a NaN or an infinity")
     channels = 1 if card.input == "luminance" else 3
     factor = 1 if card.enlarged_by else card.scale
-    got = tuple(network(torch.zeros(1, channels, 6, 7)).shape)
+    got = tuple(network(torch.zeros(network.takes(6, 7))).shape)
     if got != (1, channels, 6 * factor, 7 * factor):
         raise InputError(f"scale={card.scale}, but it makes {got[-2]}x{got[-1]} pixels of 6x7")
     return network

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from lrsr.configuration import as_number, as_whole, require
 from lrsr.errors import InputError
 from lrsr.pictures.cache import RenderCache
-from lrsr.pictures.sitting import read_people, read_quality
+from lrsr.pictures.sitting import read_burst, read_people, read_quality
 from lrsr.presets import build, value_of
 from lrsr.training.images import Images
 from lrsr.training.mixed import Mixed
@@ -78,6 +78,8 @@ def _read(kind: Any, given: dict[str, Any], config: "DictConfig", cache: RenderC
     more: dict[str, Any] = {"camera": camera}
     if "degradation" in asked:
         more["degradation"] = _read_degradation(config)
+    if "burst" in asked:
+        more["burst"] = read_burst(config)
     if "people" in asked:
         more |= _read_people(given, config, cache)
         more["lens"] = value_of("lens", config.lens)

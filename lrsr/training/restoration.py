@@ -4,10 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch.nn import functional as F
 
 from lrsr.configuration import as_flag, as_mapping, as_number, as_whole, as_word
@@ -15,6 +16,7 @@ from lrsr.errors import InputError, NonFiniteError
 from lrsr.evaluation.quality import psnr_y
 from lrsr.pictures.recipe import derived_seed
 from lrsr.sr.networks import NETWORKS
+from lrsr.sr.networks.network import Network
 from lrsr.sr.upscaler import Bicubic, Luminance, Rgb
 from lrsr.sr.weights import ENLARGED_BY, Card, read_weights, write_weights
 from lrsr.training.export import export_onnx
@@ -55,6 +57,10 @@ class Restoration(Learner):
     """
 
     monitor = "val/psnr_y_db"
+    inputs: ClassVar[tuple[str, ...]] = ("luminance", "rgb")
+    """What its networks may take."""
+    free: ClassVar[Mapping[int, str]] = MappingProxyType({0: "N", 2: "H", 3: "W"})
+    """The sizes of that which may differ."""
 
     def __init__(
         self,
@@ -86,6 +92,9 @@ class Restoration(Learner):
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(derived_seed(seed, "weights"))
             network = NETWORKS[architecture](**arguments)
+        if network.input not in self.inputs:
+            wish = f"a network of {' or '.join(self.inputs)}"
+            raise InputError(f"module.architecture={architecture}: wanted {wish}")
         self.network = network.to(memory_format=torch.channels_last)
         self.card = Card(
             architecture=architecture,
@@ -106,7 +115,7 @@ class Restoration(Learner):
         """Return the pixel loss of ``(B, C, h, w)`` inputs and their targets, and what is added."""
         inputs, targets, *landmarks_px = batch
         shown = self._turn(inputs) if self.turned else inputs
-        restored = self.network(shown.contiguous(memory_format=torch.channels_last)).float()
+        restored = self.restore(shown).float()
         restored = self._turn(restored, back=True) if self.turned else restored
         total: torch.Tensor = self.distance(restored, targets)
         if not self.losses:
@@ -120,6 +129,11 @@ class Restoration(Learner):
         for name, value in found.items():
             total = total + self.weights[name] * value
         return total
+
+    def restore(self, inputs: torch.Tensor) -> torch.Tensor:
+        """Run the network on inputs of a batch."""
+        restored: torch.Tensor = self.network(inputs.contiguous(memory_format=torch.channels_last))
+        return restored
 
     def _turn(self, images: torch.Tensor, *, back: bool = False) -> torch.Tensor:
         """Turn by quarters and mirror as the step says, or take it back."""
@@ -146,8 +160,16 @@ class Restoration(Learner):
         with torch.device(self.device), torch.random.fork_rng(devices=[]):
             used = kind(**{**self.card.arguments, **kind.in_use})
         used.load_state_dict(self.network.state_dict())
-        wrapper = Luminance if kind.input == "luminance" else Rgb
-        self._upscaler = wrapper(used.eval(), self.card, device=str(self.device))
+        self._upscaler = self.in_use(used.eval())
+
+    def in_use(self, network: Network) -> Callable[[torch.Tensor], torch.Tensor]:
+        """Return what enlarges srgb by a network."""
+        wrapper = Luminance if network.input == "luminance" else Rgb
+        return wrapper(network, self.card, device=str(self.device))
+
+    def rivals(self, small: torch.Tensor) -> dict[str, torch.Tensor]:
+        """Return by name what is made of small pictures without a network, bicubic first."""
+        return {"bicubic": Bicubic(self.card.scale)(small)}
 
     def validation_step(self, batch: Pair, batch_idx: int) -> None:
         """Log PSNR and the gain over bicubic, both on luminance, means over images.
@@ -163,15 +185,15 @@ class Restoration(Learner):
             raise NonFiniteError(
                 f"a restored image is NaN at epoch {self.current_epoch}: {error}"
             ) from error
-        scale = self.card.scale
-        psnr_db, bicubic_db = (
-            psnr_y(image.numpy(force=True), true.numpy(force=True), shave=scale)
-            for image in (restored, Bicubic(scale)(small))
-        )
-        figures = {"psnr_y_db": psnr_db, "bicubic_psnr_y_db": bicubic_db}
-        figures["gain_over_bicubic_db"] = psnr_db - bicubic_db
+        figures = {"psnr_y_db": self._psnr_y_db(restored, true)}
+        for name, image in self.rivals(small).items():
+            figures[f"{name}_psnr_y_db"] = self._psnr_y_db(image, true)
+        figures["gain_over_bicubic_db"] = figures["psnr_y_db"] - figures["bicubic_psnr_y_db"]
         for name, value in figures.items():
             self.log(f"val/{name}", float(np.mean(value)), batch_size=len(true))
+
+    def _psnr_y_db(self, image: torch.Tensor, true: torch.Tensor) -> NDArray[np.float64]:
+        return psnr_y(image.numpy(force=True), true.numpy(force=True), shave=self.card.scale)
 
     def in_words(self, figures: Mapping[str, float]) -> str:
         """Tell the PSNR and the gain over bicubic."""
@@ -187,13 +209,13 @@ class Restoration(Learner):
         """Write model.safetensors and model.onnx."""
         network, card = read_weights(best)
         write_weights(folder / "model.safetensors", network, card)
-        channels = 1 if card.input == "luminance" else 3
+        several, one = ((count, *network.takes(24, 20)[1:]) for count in (2, 1))
         export_onnx(
             folder / "model.onnx",
             network,
-            shapes=[(2, channels, 24, 20), (1, channels, 32, 32), (2, channels, 13, 40)],
+            shapes=[several, (*one[:-2], 32, 32), (*several[:-2], 13, 40)],
             names=(card.input, "restored"),
-            free={0: "N", 2: "H", 3: "W"},
+            free=self.free,
             about=card.as_text(),
         )
         return {"card": asdict(card)}

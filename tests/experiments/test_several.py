@@ -133,8 +133,8 @@ def several_names() -> list[str]:
     return ["mean", "shift_and_add", "embedding_mean", "best_frame"]
 
 
-def test_the_oracle_is_the_only_other_shipped_fusion() -> None:
-    assert sorted([*several_names(), "mean_true"]) == presets("fusion")
+def test_the_oracle_and_a_learned_one_are_the_only_others() -> None:
+    assert sorted([*several_names(), "learned", "mean_true"]) == presets("fusion")
     told = several("fusions=mean_true", "frames=2")["mean_true_2"].describe()["fusion"]
     assert told["registration"]["by"] == "true landmarks"  # type: ignore[index]  # plain values
 

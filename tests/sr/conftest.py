@@ -21,6 +21,7 @@ SMALL: dict[str, dict[str, object]] = {
     "edsr": {"blocks": 1, "features": 8},
     "imdn": {"blocks": 1, "features": 16},
     "sparnet": {"blocks": 1, "features": 8, "large_features": 4, "depth": 1},
+    "fusion": {"features": 4},
 }
 """Arguments that make a network quick."""
 

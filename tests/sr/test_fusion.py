@@ -9,7 +9,7 @@ from oracles.waves import picture, shifted
 
 from lrsr.errors import ImageContractError, InputError
 from lrsr.sr import Bicubic, Mean, ShiftAndAdd
-from lrsr.sr.fusion import _lay_over
+from lrsr.sr.fusion import lay_over
 
 SIDE, SCALE = 16, 2
 STEPS = [(0.0, 0.0), (0.5, 0.1), (-0.1, 0.5), (0.45, -0.5), (-0.5, -0.2), (0.2, 0.3)]
@@ -111,7 +111,7 @@ def test_a_frame_that_could_not_be_registered_counts_nowhere(
 
 def test_a_frame_does_not_count_where_it_does_not_reach() -> None:
     ramp = torch.linspace(0, 1, 8).expand(1, 1, 3, 8, 8)
-    laid = _lay_over(
+    laid = lay_over(
         ramp.repeat(1, 2, 1, 1, 1), torch.stack([shifted(0, 0), shifted(3, 0)])[None].float(), 1
     )
     assert torch.equal(laid[0, 0], ramp[0, 0])

@@ -33,7 +33,7 @@ NAMES = (
         for name in ("srcnn955_", "fsrcnn", "imdn", "sparnet")
         for scale in (2, 3, 4)
     ),
-    *("arcface", "mixed_resolution", "position_map"),
+    *("fusion4x", "arcface", "mixed_resolution", "position_map"),
 )
 
 

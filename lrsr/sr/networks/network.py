@@ -13,15 +13,20 @@ class Network(nn.Module):
     """A network with plain constructor arguments (numbers, words), which are kept on its card.
 
     Attributes:
-        input: "luminance": (B, 1, H, W), studio BT.601 / 255; "rgb": (B, 3, H, W) srgb, [0, 1].
+        input: "luminance": (B, 1, H, W), studio BT.601 / 255; "rgb": (B, 3, H, W) srgb, [0, 1];
+            "burst": (B, N, C, H, W), frames laid over the first.
         in_use: Arguments that overrule the card's after training. In use a network must return
             the whole picture: ``scale`` times as large if it enlarges, else as large as its input.
         enlarges: Does it take the small picture? Else one that was enlarged bicubically.
     """
 
-    input: ClassVar[Literal["luminance", "rgb"]]
+    input: ClassVar[Literal["luminance", "rgb", "burst"]]
     enlarges: ClassVar[bool] = True
     in_use: ClassVar[Mapping[str, object]] = MappingProxyType({})
+
+    def takes(self, height: int, width: int) -> tuple[int, ...]:
+        """Return the shape of what it takes of one small picture of that size."""
+        return (1, 1 if self.input == "luminance" else 3, height, width)
 
     @property
     def reach_px(self) -> int | None:

@@ -12,7 +12,7 @@ from lrsr.sr.networks.network import Network
 @pytest.mark.parametrize("name", NETWORKS)
 def test_network_says_what_it_takes(name: str) -> None:
     assert issubclass(NETWORKS[name], Network)
-    assert NETWORKS[name].input in ("luminance", "rgb")
+    assert NETWORKS[name].input in ("luminance", "rgb", "burst")
 
 
 @pytest.mark.parametrize("name", NETWORKS)
@@ -20,7 +20,7 @@ def test_network_in_use_returns_the_whole_picture(name: str) -> None:
     kind = NETWORKS[name]
     network = kind(**kind.in_use)
     channels = 1 if kind.input == "luminance" else 3
-    shape = network(torch.rand(1, channels, 9, 5)).shape
+    shape = network(torch.rand(network.takes(9, 5))).shape
     scale = 2 if kind.enlarges else 1
     assert shape == (1, channels, 9 * scale, 5 * scale)
 
