@@ -141,7 +141,7 @@ def _chart(size: int) -> _Chart:
     angle, azimuth = np.hypot(x, y) * np.float32(_EDGE_ANGLE_RAD), np.arctan2(y, x)
     corner = smoothstep(0.42, 1.05, angle) * (0.35 + 0.65 * np.cos(azimuth) ** 2)
     rim, veined = smoothstep(0.95, 1.45, angle), smoothstep(0.45, 0.8, angle)
-    return _Chart(angle, azimuth, corner, rim, veined)
+    return _Chart(angle, azimuth, np.asarray(corner, np.float32), rim, veined)
 
 
 def _planes(colour: ArrayLike) -> NDArray[np.float32]:
@@ -227,7 +227,7 @@ def _close_lids(
     # The caruncle fills the inner corner, the wet edge of the lower lid lies on the eye.
     flesh = smoothstep(0.20, 0.09, inwards + 0.5 * np.abs(y - 0.5 * (upper + lower)))
     colour = colour + (_CARUNCLE - colour) * flesh.astype(np.float32)
-    wet = 0.75 * smoothstep(0.045, 0.012, above)
+    wet = np.float32(0.75) * smoothstep(0.045, 0.012, above)
     colour = colour + (_WET_MARGIN - colour) * wet
     shade = 0.56 * np.exp(-below / 0.08) + 0.34 * np.exp(-below / 0.24)
     shade += 0.22 * np.exp(-above / 0.05) + 0.30 * np.exp(-corner / 0.12)

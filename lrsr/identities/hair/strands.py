@@ -204,5 +204,5 @@ def _sampler(kind: str) -> Any:
 
 def _unit(vectors: _Singles) -> _Singles:
     """Shorten or lengthen vectors ``(3, ...)`` to 1."""
-    scaled: _Singles = vectors / np.maximum(np.sqrt(dot(vectors, vectors)), 1e-6)
-    return scaled
+    length = np.maximum(np.sqrt(dot(vectors, vectors)), 1e-6)
+    return np.asarray(vectors / length, dtype=np.float32)

@@ -73,7 +73,8 @@ class Canvas:
 
     def holds(self, pixels: FloatMap) -> NDArray[np.bool_]:
         """Tell which positions of :meth:`to_pixels`, ``(..., 2)``, the sheet may colour."""
-        return ((pixels > -1) & (pixels < np.float32(self.shape[::-1]))).all(axis=-1)
+        size = np.array(self.shape[::-1], dtype=np.float32)
+        return np.asarray(((pixels > -1) & (pixels < size)).all(axis=-1))
 
     def to_corners(self, points_mm: ArrayLike) -> NDArray[np.int32]:
         """Turn template points into what OpenCV draws with ``shift=SUBPIXEL_BITS``.

@@ -62,6 +62,6 @@ def displace(
         np.bincount(corners, np.concatenate([part] * 3), len(vertices))
         for part in cross(b - a, c - a)
     )
-    normals = np.stack([np.take(total, moving) for total in sums])
+    normals: NDArray[np.float64] = np.stack([np.take(total, moving) for total in sums])
     axes[:, moving] += height[moving] * normals / np.maximum(np.sqrt(dot(normals, normals)), 1e-12)
     return np.ascontiguousarray(axes.T)
