@@ -27,6 +27,8 @@ COLOURS = ("#000000", "#56B4E9", "#0072B2", "#E69F00", "#D55E00", "#009E73", "#C
 _DASHES = ("-", (0, (1, 1)), "-", (0, (4, 1)), (0, (4, 1, 1, 1)), "-", (0, (2, 1)), (0, (6, 2)))
 """A second way to tell lines apart, for grey print."""
 
+_LOSSLESS = 101
+"""OpenCV's word for it: a quality above 100."""
 _FINEST_PT = 0.1
 """A fifth of a pixel of a figure as wide as the page."""
 
@@ -95,7 +97,7 @@ def encode_face(srgb: ArrayLike) -> str:
         srgb: ``(3, H, W)`` srgb, [0, 1]; what lies outside is clipped, for the picture only.
 
     Returns:
-        A PNG as a data URI.
+        A WebP without loss as a data URI, half as large as a PNG.
 
     Raises:
         ImageContractError: Not ``(3, H, W)``, or a NaN.
@@ -107,7 +109,8 @@ def encode_face(srgb: ArrayLike) -> str:
         raise ImageContractError("the image holds a NaN; wanted srgb in [0, 1]")
     levels = np.rint(np.clip(image, 0, 1) * 255).astype(np.uint8)
     bgr = np.ascontiguousarray(levels.transpose(1, 2, 0)[..., ::-1])
-    return png_uri(cv2.imencode(".png", bgr)[1].tobytes())
+    webp = cv2.imencode(".webp", bgr, [cv2.IMWRITE_WEBP_QUALITY, _LOSSLESS])[1]
+    return _data_uri("webp", webp.tobytes())
 
 
 def png_bytes(figure: Figure) -> bytes:

@@ -7,8 +7,8 @@ import re
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from matplotlib.image import imread
 from numpy.typing import ArrayLike, NDArray
+from PIL import Image
 
 from lrsr.errors import ImageContractError
 from lrsr.pages import encode_face, svg_uri
@@ -16,18 +16,18 @@ from lrsr.pages import encode_face, svg_uri
 
 def decode(uri: str) -> np.ndarray:
     kind, content = uri.split(",")
-    assert kind == "data:image/png;base64"
-    return np.asarray(imread(io.BytesIO(base64.b64decode(content))))
+    assert kind == "data:image/webp;base64"
+    return np.asarray(Image.open(io.BytesIO(base64.b64decode(content))))
 
 
 def test_a_face_keeps_every_pixel() -> None:
     face = np.random.default_rng(0).integers(0, 256, size=(3, 5, 7)) / 255
-    assert decode(encode_face(face))[..., :3] == pytest.approx(face.transpose(1, 2, 0), abs=1e-6)
+    assert decode(encode_face(face)) / 255 == pytest.approx(face.transpose(1, 2, 0), abs=1e-6)
 
 
 def test_a_face_beyond_the_range_is_clipped_for_the_picture() -> None:
     face = np.stack([np.full((1, 1), value) for value in (-0.5, 0.5, 1.5)])
-    assert (decode(encode_face(face))[0, 0, :3] * 255).round().tolist() == [0, 128, 255]
+    assert decode(encode_face(face))[0, 0].tolist() == [0, 128, 255]
 
 
 @pytest.mark.parametrize("shape", [(1, 4, 4), (4, 4), (1, 3, 4, 4), (3, 0, 4)])

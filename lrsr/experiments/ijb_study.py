@@ -59,7 +59,7 @@ class IjbStudy(SurveillanceSet):
             InputError: The copy or a list is not given, or cannot be used.
         """
         asked = self.wanted
-        root = root_of(asked.root, "ijb.root")
+        root = root_of(asked.root, "ijb.root", "nist.gov/programs-projects/face-challenges")
         require(asked.probes is not None, "ijb.probes", None, "a CSV file of the set")
         require(bool(asked.galleries), "ijb.galleries", asked.galleries, "CSV files, [A.csv,B.csv]")
         copy = JanusSet(root, asked.path, asked.margin, asked.frames)

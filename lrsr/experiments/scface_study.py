@@ -206,7 +206,7 @@ class SCFaceStudy(SurveillanceSet):
         Raises:
             InputError: There is none, or nothing of the set in it.
         """
-        root = root_of(self.wanted.root, "scface.root")
+        root = root_of(self.wanted.root, "scface.root", "scface.org")
         return SCFace(root, path_if_any(self.wanted.annotations, "scface.annotations"))
 
     def _real(self) -> list[Part]:

@@ -202,14 +202,19 @@ class SurveillanceSet(Design, ABC):
         return {}
 
 
-def root_of(text: str | None, name: str) -> Path:
+def root_of(text: str | None, name: str, home: str) -> Path:
     """Return the folder of a set that must be given.
+
+    Args:
+        text: What was.
+        name: Of the setting.
+        home: Where its owners hand the set out.
 
     Raises:
         InputError: It is not.
     """
     root = path_if_any(text, name)
-    require(root is not None, name, None, f"the folder of your copy: {name}=DIR")
+    require(root is not None, name, None, f"{name}=DIR, your copy; {home} has it")
     return root  # type: ignore[return-value]  # it is given
 
 

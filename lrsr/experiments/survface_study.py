@@ -52,7 +52,8 @@ class SurvFaceStudy(SurveillanceSet):
         Raises:
             InputError: The copy is not given, or cannot be used.
         """
-        copy = SurvFace(root_of(self.wanted.root, "survface.root"))
+        root = root_of(self.wanted.root, "survface.root", "qmul-survface.github.io")
+        copy = SurvFace(root)
         found = []
         for number, protocol in enumerate(self.wanted.protocols, start=1):
             pairs = protocol == "verification"

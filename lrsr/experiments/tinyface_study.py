@@ -40,7 +40,7 @@ class TinyFaceStudy(SurveillanceSet):
         Raises:
             InputError: The copy is not given, or cannot be used.
         """
-        root = root_of(self.wanted.root, "tinyface.root")
+        root = root_of(self.wanted.root, "tinyface.root", "qmul-tinyface.github.io")
         copy = TinyFace(root, self.wanted.distractors)
         pictures = {"probe": copy.probes(), "gallery": copy.gallery()}
         return [replace(self.part_of(1, self.title, pictures), search=True)]

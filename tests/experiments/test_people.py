@@ -227,7 +227,7 @@ def test_the_contact_sheet_ends_with_the_first_people(
 def test_the_report_loads_nothing_from_outside(page: str) -> None:
     sources = re.findall(r'(?:src|href)="([^"]*)"', page)
     assert len(sources) == 2 + 7 + 2 * 10  # figures, portraits, pairs
-    assert all(source.startswith("data:image/png;base64,") for source in sources)
+    assert all(re.match("data:image/(png|webp);base64,", source) for source in sources)
     assert not re.search(r"https?://|@import|url\(|<script .|<link", page)
 
 

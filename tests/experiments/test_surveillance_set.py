@@ -92,7 +92,8 @@ def test_what_ijb_needs_must_be_given(tmp_path: Path, words: list[str], told: st
 
 @pytest.mark.parametrize("name", [*STUDIES])
 def test_a_copy_must_be_given(tmp_path: Path, name: str) -> None:
-    with pytest.raises(InputError, match=rf"{name}\.root=null: wanted the folder of your copy"):
+    told = rf"{name}\.root=null: wanted {name}\.root=DIR, your copy; \S+ has it"
+    with pytest.raises(InputError, match=told):
         run(tmp_path, name)
 
 

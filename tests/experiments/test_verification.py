@@ -153,11 +153,13 @@ def test_an_axis_is_told_tested_and_shown(tmp_path: Path, tone_model: Path) -> N
     assert test["difference"] == pytest.approx(areas[1] - areas[0])
     page = (folder / "report.html").read_text()
     assert "Against camera plain" in page
+    assert "<h3>Camera</h3>" in page
     assert "ROC curves" not in page
     assert not [*folder.glob("faces_*.png")]
     sheet = cv2.imread(str(folder / "conditions.png"))
     assert sheet is not None
-    assert sheet.shape == (24 + 4 + 6 * 132, 4 + 128 + 2 * 132, 3)  # six people, two cameras
+    heading_px = 24 + 17  # two lines: which one, of which axis
+    assert sheet.shape == (heading_px + 4 + 6 * 132, 4 + 128 + 2 * 132, 3)  # people, cameras
 
 
 def test_a_share_of_the_people_is_rendered_and_nothing_else_is_done(

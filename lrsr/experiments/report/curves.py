@@ -37,11 +37,12 @@ def draw_det_and_cmc(curves: Mapping[str, RocCurve], ranks: Mapping[str, CmcCurv
         An SVG as a data URI.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(7.2 if ranks else 3.8, 3.5), layout="constrained")
-        axes = np.atleast_1d(figure.subplots(1, 2 if ranks else 1))
-        _draw_det(axes[0], curves)
+        figure = Figure(figsize=(7.2, 3.5), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        _draw_det(left, curves)
         if ranks:
-            _draw_cmc(axes[1], ranks)
+            _draw_cmc(right, ranks)
+        right.set_visible(bool(ranks))  # alone, the first would fill the page
         return svg_uri(figure)
 
 
@@ -121,9 +122,7 @@ def _small(
     across = 2 if len(found) == 4 else min(_ACROSS, len(found))
     down = math.ceil(len(found) / across)
     with rc_context(STYLE):
-        figure = Figure(
-            figsize=(7.2 if across > 1 else 4.8, 2.1 * down + 0.3), layout="constrained"
-        )
+        figure = Figure(figsize=(7.2, 2.1 * down + 0.3), layout="constrained")
         grid = figure.subplots(down, across, squeeze=False, sharey=True)
         for axes, (title, what) in zip(grid.flat, found.items(), strict=False):
             draw(axes, what)

@@ -152,7 +152,7 @@ def page(html: str) -> Page:
 
 def test_report_loads_nothing_from_outside(html: str, page: Page) -> None:
     assert page.sources
-    assert all(re.match("data:image/(png|svg[+]xml);base64,", source) for source in page.sources)
+    assert all(re.match("data:image/(webp|svg[+]xml);base64,", source) for source in page.sources)
     assert not re.search(r"https?://|@import|url\(|<script .|<link", html)
 
 
