@@ -66,16 +66,16 @@ class Portraits:
             maps = torch.cat([places, (maps[:, 2] * scales)[:, None]], dim=1)
             mirrored = torch.from_numpy(np.flatnonzero(rng.random(len(faces)) < 0.5))
             faces[mirrored] = faces[mirrored].flip(-1)
-            maps[mirrored] = mirror(maps[mirrored])
+            maps[mirrored] = _mirror(maps[mirrored])
         return faces, maps
 
 
-def mirror(maps: torch.Tensor) -> torch.Tensor:
+def _mirror(maps: torch.Tensor) -> torch.Tensor:
     """Return the maps ``(B, 3, S, S)``, px, of mirrored crops.
 
     Example:
         >>> two = torch.tensor([[[[10.0, 100.0]], [[50.0, 51.0]], [[2.0, 3.0]]]])
-        >>> mirror(two)[0, :, 0].tolist()
+        >>> _mirror(two)[0, :, 0].tolist()
         [[11.0, 101.0], [51.0, 50.0], [3.0, 2.0]]
     """
     turned = maps.flip(-1)

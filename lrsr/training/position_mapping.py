@@ -50,6 +50,8 @@ class PositionMapping(Learner):
 
     monitor = "val/off_px"
     mode = "min"
+    weights: torch.Tensor
+    face: torch.Tensor
 
     def __init__(
         self,
@@ -86,7 +88,8 @@ class PositionMapping(Learner):
         rng = np.random.default_rng(derived_seed(self.seed, "portraits", self.global_step))
         faces, maps = self.portraits(*batch, rng)
         squares = (self(faces) - maps / CROP_PX).square().sum(dim=1)
-        return (self.weights * (squares + _LEAST).sqrt()).mean()
+        loss: torch.Tensor = (self.weights * (squares + _LEAST).sqrt()).mean()
+        return loss
 
     def validation_step(self, batch: _Batch, batch_idx: int) -> None:
         """Log how far texels of the face are from where they should be on the crop, px."""

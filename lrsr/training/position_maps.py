@@ -8,6 +8,7 @@ texture layout is ours, so what is true follows from the vertices of the head.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import cast
 
 import numpy as np
 import torch
@@ -20,6 +21,7 @@ from lrsr.identities.face.template import template
 from lrsr.identities.head import Head
 from lrsr.identities.person import Person
 from lrsr.identities.photographs.crop import Crop, CropRule
+from lrsr.identities.photographs.person import Somebody
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.position_map import Raster, cover, fill_outside
 from lrsr.pictures.recipe import Recipe, derived_seed
@@ -38,7 +40,7 @@ _TEXTURE_SIZE = 64
 """Of heads of which only the shape is asked for: the least there is."""
 
 _Map = NDArray[np.float64]
-_Batch = tuple[torch.Tensor, torch.Tensor]
+_Batch = tuple[torch.Tensor, ...]
 
 
 @dataclass(kw_only=True, eq=False)
@@ -114,15 +116,16 @@ class PositionMaps(Rendered):
 
     def _lessons(self, people: Sequence[Person]) -> TensorDataset:
         recipes, crops, maps = self.recipes(people), [], []
-        shown: tuple[Person, Head] | None = None
+        shown: tuple[Somebody, Head] | None = None
         for recipe, picture in zip(recipes, self.taken(recipes, self.plain), strict=True):
             if shown is None or shown[0] != recipe.person:  # who acts once has one shape
                 small = replace(recipe.quality, texture_size=_TEXTURE_SIZE)
                 shown = recipe.person, self.maker.head(replace(recipe, quality=small))
-            crop = RULE.of_five(picture.landmarks_px.numpy().astype(np.float64))
+            five_px = cast("torch.Tensor", picture.landmarks_px).numpy().astype(np.float64)
+            crop = RULE.of_five(five_px)
             image = np.ascontiguousarray(picture.image.numpy().transpose(1, 2, 0))
             crops.append(np.rint(255 * crop.take(image)).astype(np.uint8))
-            maps.append(draw_map(shown[1], recipe, crop).astype(np.float32))
+            maps.append(_draw_map(shown[1], recipe, crop).astype(np.float32))
         faces = torch.from_numpy(np.stack(crops)).permute(0, 3, 1, 2).contiguous()
         return TensorDataset(faces, torch.from_numpy(np.stack(maps)))
 
@@ -138,7 +141,7 @@ class PositionMaps(Rendered):
         return DataLoader(self.validation, batch_size=self.batch_size)
 
 
-def draw_map(head: Head, recipe: Recipe, crop: Crop) -> _Map:
+def _draw_map(head: Head, recipe: Recipe, crop: Crop) -> _Map:
     """Return where every texel of a head's skin is on a crop of its picture.
 
     Args:
@@ -187,4 +190,4 @@ def _raster() -> Raster:
 
 def _faces() -> NDArray[np.int32]:
     surface = load_basis().surface
-    return surface.faces[surface.region == 0]
+    return np.asarray(surface.faces[surface.region == 0])

@@ -83,6 +83,11 @@ UNREAD = {
         *("camera", "callbacks", "module", "trainer", "resume"),  # tried with srcnn
     },
     "train-mixed": {"camera", "callbacks", "module", "trainer", "resume"},
+    "train-position-map": {
+        *("expression", "another_day", "camera", "callbacks", "trainer", "resume"),  # as above
+        *("degradation.background", "degradation.occlusion", "degradation.blur"),  # with arcface
+        *("degradation.colour", "degradation.misalignment", "data.variety.named_share"),
+    },
 }
 OF_OTHERS = {
     *("expression.name", "identities.roster"),  # lrsr.identities takes any text for a name

@@ -89,7 +89,7 @@ def test_srcnn_is_trained_as_in_the_paper(name: str, epochs: int, scale: int) ->
         "identities.sex=female",
         "rendering.samples_per_pixel=7",
         "rendering.texture_size=64",
-        "rendering.max_depth=3",
+        "rendering.max_depth=2",
         "rendering/skin=jensen_skin1",
         "lens=single",
         "standpoint=scface_far",

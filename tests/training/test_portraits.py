@@ -9,7 +9,7 @@ from lrsr.training.augmentation.blur import Blur
 from lrsr.training.augmentation.colour import Colour
 from lrsr.training.augmentation.misalignment import Misalignment
 from lrsr.training.augmentation.occlusion import Occlusion
-from lrsr.training.portraits import mirror
+from lrsr.training.portraits import _mirror
 
 PLACES = [(40, 30), (70, 66)]
 
@@ -51,7 +51,7 @@ def test_half_of_the_faces_are_mirrored_and_texels_change_sides() -> None:
     swapped = maps[:, 2, 0, 0] == 5
     assert 70 < int(swapped.sum()) < 130
     assert (maps[swapped][:, 0, 0] == torch.tensor([41.0, 71.0])).all()
-    assert torch.equal(mirror(mirror(maps)), maps)
+    assert torch.equal(_mirror(_mirror(maps)), maps)
 
 
 def test_the_same_generator_gives_the_same_portraits() -> None:

@@ -43,7 +43,7 @@ def test_a_network_begins_with_the_mean_face() -> None:
 
 def test_steps_bring_texels_nearer() -> None:
     module, (crops, maps) = make_mapping(), DrawnMaps().data.tensors
-    module.trainer = type("Trainer", (), {"global_step": 0})()  # type: ignore[assignment]
+    module.trainer = type("Trainer", (), {"global_step": 0})()
     optimizer = module.make_optimizer(module.parameter_groups())
     losses = []
     for _ in range(14):
@@ -57,8 +57,8 @@ def test_steps_bring_texels_nearer() -> None:
 
 def test_the_loss_of_one_px_everywhere_is_that_of_the_mean_texel() -> None:
     module = make_mapping()
-    module.portraits = lambda crops, maps, _: (crops.float() / 255, maps)  # type: ignore[assignment]
-    module.trainer = type("Trainer", (), {"global_step": 0})()  # type: ignore[assignment]
+    module.portraits = lambda crops, maps, _: (crops.float() / 255, maps)
+    module.trainer = type("Trainer", (), {"global_step": 0})()
     maps = torch.from_numpy(resting_map()).float().repeat(2, 1, 1, 1)
     maps[:, 1] += 3
     loss = module.loss((torch.zeros(2, 3, 112, 112, dtype=torch.uint8), maps))

@@ -19,7 +19,7 @@ from lrsr.rendering.pose import FRONTAL, Pose
 from lrsr.rendering.renderer import viewpoint_of
 from lrsr.rendering.scene import Quality
 from lrsr.rendering.standpoint import LEVEL
-from lrsr.training.position_maps import PositionMaps, draw_map, resting_map, skin_mask
+from lrsr.training.position_maps import PositionMaps, _draw_map, resting_map, skin_mask
 from lrsr.training.variety import Variety
 
 SMILE = preset("expression", "smile")
@@ -62,7 +62,7 @@ def test_a_map_says_where_nose_and_mouth_are(pose: Pose, cache: RenderCache) -> 
     recipe = lessons(cache).recipes([Person("train", 0)])[0]
     recipe = replace(recipe, scene=replace(recipe.scene, pose=pose))
     head, crop = somebody(), Crop((60.0, 50.0), 90.0, 0.3, 112)
-    drawn = draw_map(head, recipe, crop)
+    drawn = _draw_map(head, recipe, crop)
     true = DottedMaker().render(head, recipe).landmarks_px.numpy()[2:]
     surface = load_basis().surface
     places = at(drawn, surface.uv[surface.landmarks])[:, :2]
@@ -77,7 +77,7 @@ def test_the_nose_is_nearer_than_the_pupils_by_as_much_as_it_protrudes(cache: Re
     head, crop = somebody(), Crop((60.0, 50.0), 90.0, 0.3, 112)
     px_per_mm = recipe.film.ipd_px / head.ipd_mm / crop.scale
     surface = load_basis().surface
-    (tip,) = at(draw_map(head, recipe, crop), surface.uv[surface.landmarks[:1]])
+    (tip,) = at(_draw_map(head, recipe, crop), surface.uv[surface.landmarks[:1]])
     protrudes = head.landmarks[2, 2] - head.pupils[:, 2].mean()
     np.testing.assert_allclose(tip[2] / px_per_mm, protrudes, atol=3)  # half a texel beside the tip
 

@@ -79,7 +79,7 @@ class Crop:
             [[15.5, 15.5]]
         """
         matrix = self._matrix()
-        return np.linalg.solve(matrix[:, :2], (points_px - matrix[:, 2]).T).T
+        return np.asarray(np.linalg.solve(matrix[:, :2], (points_px - matrix[:, 2]).T).T)
 
 
 def axes(angle: float) -> Points:
