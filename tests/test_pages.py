@@ -48,7 +48,8 @@ def outline(x: ArrayLike, y: ArrayLike, *, filled: bool = False) -> str:
     axes.set_axis_off()
     (axes.fill if filled else axes.plot)(x, y)
     svg = base64.b64decode(svg_uri(figure).partition(",")[2]).decode()
-    return max(re.findall(r' d="([^"]*)"', svg), key=len)
+    drawn: list[str] = re.findall(r' d="([^"]*)"', svg)
+    return max(drawn, key=len)
 
 
 def corners(drawn: str) -> NDArray[np.float64]:

@@ -101,7 +101,9 @@ def test_a_box_outside_its_picture_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_template_of_two_people_is_refused(tmp_path: Path) -> None:
-    rows = [{"TEMPLATE_ID": 1, "SUBJECT_ID": who, "FILENAME": "a.png"} for who in (5, 6)]
+    rows: list[dict[str, object]] = [
+        {"TEMPLATE_ID": 1, "SUBJECT_ID": who, "FILENAME": "a.png"} for who in (5, 6)
+    ]
     write_table(tmp_path / "list.csv", rows)
     with pytest.raises(InputError, match="line 3: template 1 shows 6, and before 5"):
         copy_of(tmp_path).read(Path("list.csv"), "probe")
