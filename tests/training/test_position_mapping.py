@@ -57,7 +57,7 @@ def test_steps_bring_texels_nearer() -> None:
 
 def test_the_loss_of_one_px_everywhere_is_that_of_the_mean_texel() -> None:
     module = make_mapping()
-    module.portraits = lambda crops, maps, _: (crops.float() / 255, maps)
+    module.portraits = lambda crops, maps, _: (crops.float() / 255, maps)  # type: ignore[assignment]
     module.trainer = type("Trainer", (), {"global_step": 0})()
     maps = torch.from_numpy(resting_map()).float().repeat(2, 1, 1, 1)
     maps[:, 1] += 3
