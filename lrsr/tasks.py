@@ -371,8 +371,8 @@ def run_train(config: "DictConfig") -> Path:
     if config.get("module") is None:
         raise InputError(
             "what to train? give one of sr=srcnn4x, sr=fsrcnn4x, sr=edsr4x, sr=imdn4x,"
-            " sr=sparnet4x, each for 2x, too, recognition=arcface, recognition=mixed_resolution,"
-            " reconstructor=position_map"
+            " sr=sparnet4x, each for 2x, too, sr=fusion4x, recognition=arcface,"
+            " recognition=mixed_resolution, reconstructor=position_map"
         )
     _refuse_enrolled(config)
     from lrsr.training.learner import Learner  # Lightning takes seconds

@@ -16,22 +16,39 @@ def test_srcnn_beats_bicubic_on_people_it_was_not_trained_on(scale: int) -> None
     assert record["recipe"]["scale"] == scale
 
 
-@pytest.mark.parametrize("kind", ["", "_camera"])
-@pytest.mark.parametrize("scale", [2, 4])
-def test_srcnn_weights_are_small_and_for_their_scale(scale: int, kind: str) -> None:
-    path = asset(f"weights/srcnn{scale}x{kind}.safetensors")
-    assert path.stat().st_size < 40_000
-    assert read_weights(path)[1].scale == scale
+#: Bytes, at most, and the gain over bicubic of the best epoch, dB, at least.
+SHIPPED = {
+    "srcnn2x_camera": (40_000, 0.5),
+    "srcnn4x_camera": (40_000, 0.5),
+    "fsrcnn2x_camera": (60_000, 0.5),
+    "fsrcnn4x_camera": (60_000, 0.7),
+    "imdn4x_camera": (600_000, 0.7),
+    "fusion4x": (300_000, 1.0),
+}
 
 
-@pytest.mark.parametrize("scale", [2, 4])
-def test_camera_aware_srcnn_is_the_best_epoch_of_its_record(scale: int) -> None:
-    record = json.loads(asset(f"weights/srcnn{scale}x_camera.json").read_text())
+@pytest.mark.parametrize("name", ["srcnn2x", "srcnn4x", *SHIPPED])
+def test_weights_are_small_and_for_their_scale(name: str) -> None:
+    path = asset(f"weights/{name}.safetensors")
+    assert path.stat().st_size < SHIPPED.get(name, (40_000, 0))[0]
+    card = read_weights(path)[1]
+    assert name.startswith(f"{card.architecture}{card.scale}x")
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_camera_aware_weights_are_the_best_epoch_of_their_record(name: str) -> None:
+    record = json.loads(asset(f"weights/{name}.json").read_text())
     best = max(record["history"], key=lambda epoch: epoch["val/psnr_y_db"])
     assert record["best"] == best
-    assert best["val/gain_over_bicubic_db"] > 0.5
-    made_by = read_weights(asset(f"weights/srcnn{scale}x_camera.safetensors"))[1].lr_made_by
+    assert best["val/gain_over_bicubic_db"] > SHIPPED[name][1]
+    made_by = read_weights(asset(f"weights/{name}.safetensors"))[1].lr_made_by
     assert "JPEG 15 to 95" in made_by
+    assert record["card"]["lr_made_by"] == made_by
+
+
+def test_the_fusion_beats_the_mean_of_the_frames() -> None:
+    best = json.loads(asset("weights/fusion4x.json").read_text())["best"]
+    assert best["val/psnr_y_db"] > best["val/mean_psnr_y_db"] > best["val/bicubic_psnr_y_db"]
 
 
 def test_embedder_is_the_one_of_its_record() -> None:

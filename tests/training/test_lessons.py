@@ -33,6 +33,7 @@ NAMES = (
         for name in ("srcnn955_", "fsrcnn", "imdn", "sparnet")
         for scale in (2, 3, 4)
     ),
+    *("fsrcnn2x_camera", "fsrcnn4x_camera", "imdn4x_camera"),
     *("fusion4x", "arcface", "mixed_resolution", "position_map"),
 )
 
