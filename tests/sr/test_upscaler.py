@@ -184,7 +184,8 @@ def test_batches_change_nothing(faces: torch.Tensor, weights_file: Callable[...,
 def test_grey_stays_grey_without_colour(method: str) -> None:
     grey = torch.full((1, 3, 8, 8), 0.5)
     larger = built(method)(grey)
-    np.testing.assert_allclose((larger - larger[:, :1]).numpy(), 0.0, atol=1e-6)
+    seen = 1e-6 if method != "imdn4_camera" else 0.5 / 255  # which restores colours, too
+    np.testing.assert_allclose((larger - larger[:, :1]).numpy(), 0.0, atol=seen)
 
 
 @pytest.mark.parametrize("method", METHODS)
