@@ -11,6 +11,7 @@ everybody is cut out alike and nobody is missed. On 12 rendered faces the two bo
 from __future__ import annotations
 
 import importlib.util
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from lrsr.images import check_srgb
 from lrsr.onnx import sha256_of
 from lrsr.paths import models_folder
 from lrsr.recognition.alignment import read_landmarks
+from lrsr.recognition.memory import Memory
 
 _POINTS = "shape_predictor_5_face_landmarks.dat"
 _NETWORK = "dlib_face_recognition_resnet_model_v1.dat"
@@ -47,6 +49,9 @@ def dlib_is_installed() -> bool:
 class DlibEncoder:
     """dlib's face encoder, on faces whose landmarks are known.
 
+    Args:
+        memory: Where embeddings are kept; default: nowhere.
+
     Raises:
         InputError: dlib or its models are not installed.
     """
@@ -54,7 +59,7 @@ class DlibEncoder:
     name = "dlib"
     compare = staticmethod(CosineScores)
 
-    def __init__(self) -> None:
+    def __init__(self, memory: Memory | None = None) -> None:
         if not dlib_is_installed():
             raise InputError(
                 f"dlib: it or its models ({_POINTS}, {_NETWORK}) are not installed; {_REMEDY}"
@@ -65,6 +70,7 @@ class DlibEncoder:
         self._folder = next(filter(_has_models, _folders()))
         self._points = dlib.shape_predictor(str(self._folder / _POINTS))
         self._network = dlib.face_recognition_model_v1(str(self._folder / _NETWORK))
+        self._memory = memory or Memory()
 
     def embed(
         self, srgb: torch.Tensor, landmarks_px: ArrayLike, boxes_px: ArrayLike | None = None
@@ -86,12 +92,24 @@ class DlibEncoder:
         points = read_landmarks(landmarks_px, len(srgb))
         levels = check_srgb(srgb, name="faces").mul(255).round().to(torch.uint8)
         images = levels.permute(0, 2, 3, 1).contiguous().cpu().numpy()
+        return self._memory.recall(
+            self._decisive, [images, points], lambda: self._embed(images, points)
+        )
+
+    def _embed(self, images: NDArray[np.uint8], points: NDArray[np.float64]) -> NDArray[np.float32]:
         result = np.full((len(images), _DIMENSION), np.nan, dtype=np.float32)
         for row in np.flatnonzero(np.isfinite(points).all(axis=(1, 2))):
             shape = self._points(images[row], self._dlib.rectangle(*_face_box(points[row])))
             numbers = np.array(self._network.compute_face_descriptor(images[row], shape))
             result[row] = numbers / np.linalg.norm(numbers)
         return result
+
+    @cached_property
+    def _decisive(self) -> dict[str, object]:
+        """All that the numbers depend on besides the pictures."""
+        files = {name: sha256_of(self._folder / name) for name in (_POINTS, _NETWORK)}
+        version = str(self._dlib.__version__)
+        return {"dlib": version, "files": files, "box": [_BOX_WIDTH, _BOX_DROP]}
 
     def describe(self) -> dict[str, str | int]:
         """Return what a report must say of the encoder; JSON-serialisable."""

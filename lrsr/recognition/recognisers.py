@@ -16,6 +16,7 @@ from lrsr.evaluation.scores import ScoreSource
 from lrsr.recognition.dlib_encoder import DlibEncoder, dlib_is_installed
 from lrsr.recognition.engine import Engine
 from lrsr.recognition.features import FEATURES, Features
+from lrsr.recognition.memory import Memory
 from lrsr.recognition.mixed_resolution import NAME as MIXED
 from lrsr.recognition.mixed_resolution import MixedResolution
 from lrsr.recognition.registry import model_file
@@ -133,13 +134,16 @@ def find_recognisers(
 
 
 def load_recognisers(
-    found: Mapping[str, str | Path], engine: Callable[[Path | None], Engine] = Engine
+    found: Mapping[str, str | Path],
+    engine: Callable[[Path | None], Engine] = Engine,
+    memory: Memory | None = None,
 ) -> dict[str, Recogniser]:
     """Load recognisers.
 
     Args:
         found: By :func:`find_recognisers`.
         engine: Makes the one of an ONNX file, None: of the shipped one.
+        memory: Where dlib's embeddings are kept; default: nowhere.
 
     Returns:
         Them, by the same names.
@@ -147,13 +151,15 @@ def load_recognisers(
     Raises:
         InputError: A file is broken.
     """
-    return {label: _load(source, engine) for label, source in found.items()}
+    return {label: _load(source, engine, memory) for label, source in found.items()}
 
 
-def _load(source: str | Path, engine: Callable[[Path | None], Engine]) -> Recogniser:
+def _load(
+    source: str | Path, engine: Callable[[Path | None], Engine], memory: Memory | None
+) -> Recogniser:
     if isinstance(source, Path):
         mixed = source.suffix == ".safetensors"
         return MixedResolution(source) if mixed else engine(source)
     if source == _SHIPPED:
         return engine(None)
-    return Features(source) if source in FEATURES else DlibEncoder()
+    return Features(source) if source in FEATURES else DlibEncoder(memory)

