@@ -33,6 +33,7 @@ from lrsr.pictures.picture import Picture
 from lrsr.pictures.source import chunks
 from lrsr.pictures.to_folder import Shoot
 from lrsr.provenance import versions
+from lrsr.recognition.memory import Memory
 from lrsr.recognition.recognisers import load_encoder
 
 _SHEET = 60
@@ -97,7 +98,8 @@ class Uniqueness(UniquenessSettings):
             InputError: A file or a folder is wrong, or an encoder is missing.
         """
         maker = maker or MitsubaMaker()
-        encoder = load_encoder(self.encoder, self.model, device=self.device)
+        memory = Memory(cache.folder / "recognition")
+        encoder = load_encoder(self.encoder, self.model, device=self.device, memory=memory)
         gallery = Gallery(self, cache, encoder, maker, progress=progress)
         findings = find_distinct(self, gallery)
         if not self.photographed:

@@ -72,7 +72,11 @@ def resolve_encoder(name: str) -> Literal["dlib", "shipped"]:
 
 
 def load_encoder(
-    name: Literal["dlib", "shipped"], model: Path | None = None, *, device: str = "cpu"
+    name: Literal["dlib", "shipped"],
+    model: Path | None = None,
+    *,
+    device: str = "cpu",
+    memory: Memory | None = None,
 ) -> Recogniser:
     """Load what is to tell whether two people are two: dlib's, as in the paper, or the shipped one.
 
@@ -80,13 +84,16 @@ def load_encoder(
         name: See :func:`resolve_encoder`.
         model: ONNX embedder that stands in for the shipped one.
         device: Where an ONNX embedder runs; see :func:`lrsr.onnx.providers_on`.
+        memory: Where embeddings are kept; default: nowhere.
 
     Raises:
         InputError: A model is missing or broken, or is given although dlib is to compare.
     """
     if name == "dlib" and model is not None:
         raise InputError(f"recognition.model={model}: dlib takes none; add encoder=shipped")
-    return DlibEncoder() if name == "dlib" else Engine(model, device=device)
+    if name == "dlib":
+        return DlibEncoder(memory)
+    return Engine(model, device=device, memory=memory)
 
 
 def find_recognisers(
