@@ -8,7 +8,7 @@ from lrsr.presets import preset, presets
 from lrsr.training.patches import Pair
 from lrsr.training.shrinking.shrinking import Shrinking
 
-NAMES = [name for name in presets("degradation") if name != "photographs"]
+NAMES = [name for name in presets("degradation") if name not in ("photographs", "portraits")]
 
 
 def shrunk(name: str, true: torch.Tensor, scale: int, start: int = 0) -> Pair:
