@@ -148,10 +148,8 @@ class Bursts(Pairs):
         drawn = torch.from_numpy(rng.uniform(-1, 1, (self.frames, 4))).float()
         drawn[0] = 0
         shift = drawn[:, :2] * self.burst.shift_ipds * film_px / FRAME_IPDS
-        angle, growth = (
-            drawn[:, 2] * radians(self.burst.roll_deg),
-            1 + drawn[:, 3] * self.burst.nearer,
-        )
+        angle = drawn[:, 2] * radians(self.burst.roll_deg)
+        growth = 1 + drawn[:, 3] * self.burst.nearer
         cos, sin = angle.cos() / growth, angle.sin() / growth
         turn = torch.stack([cos, sin, -sin, cos], dim=-1).reshape(-1, 2, 2)
         line = torch.arange(side) - (side - 1) / 2
