@@ -149,14 +149,19 @@ def _unpack(source: Source, model: Model, fetched: Path, scratch: Path) -> None:
                 f"{source.name}: {here} has sha256 {digest}, wanted {wanted}: it is another file"
             )
     if model.contract:
-        document = _graphs_own(contracts()[model.contract], scratch / here) | {
-            "licence": source.licence,
-            "source": _origin(source),
-        }
-        for place, value in model.changes.items():
-            table, _, field = place.partition(".")
-            document[table] = {**document[table], field: value}
-        _declare(scratch / here, document)
+        _declare(scratch / here, _contract_of(source, model, scratch / here))
+
+
+def _contract_of(source: Source, model: Model, place: Path) -> dict[str, Any]:
+    """Return what the registry says of a file that one of its models is."""
+    document = _graphs_own(contracts()[model.contract], place) | {
+        "licence": source.licence,
+        "source": _origin(source),
+    }
+    for changed, value in model.changes.items():
+        table, _, field = changed.partition(".")
+        document[table] = {**document[table], field: value}
+    return document
 
 
 def _origin(source: Source) -> str:
@@ -199,10 +204,14 @@ def add(
 ) -> str:
     """Copy a network of the user's into the folder of models, so that its name is enough.
 
+    A file of the registry's is known by its bytes, whatever it is called: it needs no contract, and
+    is recorded as if it had been pulled.
+
     Args:
         file: An ONNX file.
-        contract: One with a name, or a TOML file; empty: the one beside the file.
-        name: What it is to be called; empty: as the file.
+        contract: One with a name, or a TOML file; empty: the registry's, else the one beside the
+            file.
+        name: What it is to be called; empty: as the registry has it, else as the file.
         licence: Of the weights; empty: what the contract says, or not told.
         source: Where it comes from; empty: the same.
 
@@ -212,32 +221,54 @@ def add(
     Raises:
         InputError: The file, the contract or the name cannot be used; nothing is kept.
     """
-    name = name or file.stem
-    if not name.translate(str.maketrans("", "", "-_.")).isalnum() or name.startswith("."):
-        raise InputError(f"name={name}: wanted letters, digits, - and _")
     if not file.is_file():
         raise InputError(f"{file} is missing: give an ONNX file")
+    digest = sha256_of(file)
+    same = [one for one in _single_files() if digest in one[1].sha256.values()]
+    known = min(same, key=lambda one: one[1].name != (name or file.stem), default=None)
+    name = name or (known[1].name if known else file.stem)
+    if not name.translate(str.maketrans("", "", "-_.")).isalnum() or name.startswith("."):
+        raise InputError(f"name={name}: wanted letters, digits, - and _")
     folder = make_folder(models_folder())
     with locked(folder), _scratch(folder) as scratch:
-        taken = [*records(), *sources(), *(m.name for s in sources().values() for m in s.models)]
-        if name in taken:
+        if name in records():
             raise InputError(f"name={name}: taken; give another, or lrsr models remove {name}")
+        if not (known and known[1].name == name) and name in _registered():
+            raise InputError(f"name={name}: lrsr models list has another file of it; give another")
         place = scratch / f"{name}.onnx"
         shutil.copyfile(file, place)
-        document = _document(contract, file, place)
+        untold = {"licence": "not told", "source": f"added from {file.name}"}
+        if known and not contract:
+            document = _contract_of(*known, place)
+        else:
+            document = untold | _document(contract, file, place)
         given = {"licence": licence, "source": source}
         document |= {key: value for key, value in given.items() if value}
         kind = _declare(place, document)
         record = {
             "kind": kind,
-            "files": {place.name: sha256_of(place)},
+            "files": {place.name: digest},
             "licence": document["licence"],
             "source": document["source"],
-            "trained_on": "not told",
+            "trained_on": known[1].trained_on if known else "not told",
             "checked": True,
         }
         _keep(name, record, scratch)
     return f"{name}: {folder / place.name} ({kind})"
+
+
+def _single_files() -> list[tuple[Source, Model]]:
+    """Return the registry's models of one file with a contract."""
+    return [
+        (source, model)
+        for source in sources().values()
+        for model in source.models
+        if model.contract and len(model.files) == 1
+    ]
+
+
+def _registered() -> set[str]:
+    return {*sources(), *(model.name for one in sources().values() for model in one.models)}
 
 
 def _document(contract: str, file: Path, place: Path) -> dict[str, Any]:
@@ -246,12 +277,11 @@ def _document(contract: str, file: Path, place: Path) -> dict[str, Any]:
     Raises:
         InputError: There is none, it cannot be read, or is about another file.
     """
-    untold = {"licence": "not told", "source": f"added from {file.name}"}
     if contract in contracts():
-        return untold | _graphs_own(contracts()[contract], place)
+        return _graphs_own(contracts()[contract], place)
     path = Path(contract).expanduser() if contract else contract_path(file)
     try:
-        document = untold | tomllib.loads(path.read_text(encoding="utf-8"))
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         named = ", ".join(contracts())
         raise InputError(

@@ -187,12 +187,27 @@ def test_a_detector_of_ones_own_takes_its_outputs_names_from_the_graph(
     assert read_detector_contract(model_file("find", "detector")).names == tuple(lists)
 
 
+def test_a_file_of_the_registry_is_known_by_its_bytes(
+    server: Server, folder: Path, net: Path
+) -> None:
+    renamed = net.rename(net.with_name("downloaded.onnx"))
+    assert add(renamed) == f"net: {folder / 'net.onnx'} (recogniser)"
+    contract = read_contract(model_file("net", "recogniser"))
+    assert (contract.mean, contract.licence) == (127.5, "MIT")
+    assert (records()["net"]["trained_on"], contract.source) == ("tests", f"{server.url}/pack.zip")
+    remove("net")
+    assert add(renamed, "arcface128", name="mine").startswith("mine: ")
+    assert read_contract(model_file("mine", "recogniser")).scale == 128
+    assert pull("pack", QUIET)[0].startswith("net: ")
+
+
 @pytest.mark.parametrize(
     ("told", "says"),
     [
         ({"name": "../x"}, "name=../x: wanted letters"),
         ({"name": ".x"}, "wanted letters"),
-        ({"name": "buffalo_l"}, "name=buffalo_l: taken"),
+        ({"name": "buffalo_l"}, "name=buffalo_l: lrsr models list has another file of it"),
+        ({"name": "w600k_mbf"}, "name=w600k_mbf: lrsr models list has another file of it"),
         ({"contract": "arcfase"}, "contract=arcfase: cannot be read"),
         ({"file": Path("gone.onnx")}, r"gone\.onnx is missing"),
     ],
