@@ -29,10 +29,14 @@ class Yunet:
 
     def __init__(self, model: Path, contract: DetectorContract) -> None:
         self._model, self._iou = model, contract.nms_iou
+        logged = cv2.utils.logging.getLogLevel()
+        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # not of the CPU, its target
         try:
             self._detector: Any = cv2.FaceDetectorYN.create(str(model), "", (320, 320))
         except cv2.error as error:
             raise InputError(f"{model}: {_reason(error)}; get the file again") from error
+        finally:
+            cv2.utils.logging.setLogLevel(logged)
 
     def __call__(self, srgb: torch.Tensor, score_threshold: float) -> list[list[Detection]]:
         """Find faces on images ``(B, 3, H, W)``; the surest first.
