@@ -30,7 +30,8 @@ class Yunet:
     def __init__(self, model: Path, contract: DetectorContract) -> None:
         self._model, self._iou = model, contract.nms_iou
         logged = cv2.utils.logging.getLogLevel()
-        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # not of the CPU, its target
+        # It would warn of a target that nobody chose.
+        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
         try:
             self._detector: Any = cv2.FaceDetectorYN.create(str(model), "", (320, 320))
         except cv2.error as error:
