@@ -54,7 +54,8 @@ class Condition:
         detector: What finds the faces, as ``recognition.detector`` names it; None: the
             experiment's.
         varied: What sets it apart, by axis; empty: its number does.
-        rival: The option that it is tested against, with the same method; None: there is none.
+        rival: Option and size of the condition that it is tested against, with the same method;
+            None: there is none.
 
     Raises:
         InputError: A size or a compression does not exist.
@@ -70,7 +71,7 @@ class Condition:
     skin: Skin | None = None
     detector: str | None = None
     varied: Mapping[str, str] = field(default_factory=dict)
-    rival: int | None = None
+    rival: tuple[int, float | None] | None = None
 
     def __post_init__(self) -> None:
         if self.scene is None:
@@ -109,6 +110,7 @@ class Condition:
             "camera": None if self.camera is None else self.camera.name,
             "skin": None if self.skin is None else self.skin.name,
             "varied": dict(self.varied),
+            "rival": None if self.rival is None else [*self.rival],
         }
 
 
@@ -122,6 +124,8 @@ class _Option(NamedTuple):
 
 def read_conditions(config: "DictConfig") -> tuple[Condition, ...]:
     """Read sizes times options: those listed in ``conditions``, or every combination of ``axes``.
+
+    A listed one is tested against itself at the size before.
 
     Raises:
         InputError: A value is wrong; the message names the setting and the remedy.
@@ -140,7 +144,14 @@ def read_conditions(config: "DictConfig") -> tuple[Condition, ...]:
         number: _condition(number, option, sizes[0] if sizes else 8.0, config)
         for number, option in table.items()
     }
-    return tuple(replace(made[option], ipd_px=ipd) for ipd in sizes for option in chosen)
+    found = []
+    for before, ipd in zip([None, *sizes], sizes, strict=False):
+        for option in chosen:
+            first = option if listed else table[option].rival
+            size = before if listed else ipd
+            rival = None if first is None or size is None else (first, size)
+            found.append(replace(made[option], ipd_px=ipd, rival=rival))
+    return tuple(found)
 
 
 def photographed(config: "DictConfig", photographs: Photographs) -> tuple[Condition, ...]:
@@ -161,7 +172,13 @@ def photographed(config: "DictConfig", photographs: Photographs) -> tuple[Condit
         wish = "only a detector: photographs in probes.folder are as they are"
         require(axis == "detector", "axes", axis, wish)
     return tuple(
-        replace(one, option=number, varied=varied, rival=rival, detector=settings.get("detector"))
+        replace(
+            one,
+            option=number,
+            varied=varied,
+            rival=None if rival is None else (rival, one.ipd_px),
+            detector=settings.get("detector"),
+        )
         for number, (settings, varied, rival) in _crossed(axes, words(config, "against")).items()
     ) or (one,)
 
@@ -230,7 +247,6 @@ def _condition(number: int, option: _Option, ipd_px: float, config: "DictConfig"
         skin=value_of("rendering/skin", node["skin"]) if "skin" in node else None,
         detector=detector,
         varied=option.varied,
-        rival=option.rival,
     )
 
 

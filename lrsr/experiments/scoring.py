@@ -186,7 +186,7 @@ class Scoring:
             name: rows[0][name]
             for name in ("recogniser", "option", "setting", "ipd_px", "landmarks")
         }
-        same = {"against_option": condition["option"]}
+        same = {f"against_{name}": condition[name] for name in ("option", "ipd_px")}
         tests = [
             {**condition, "method": a, "against": b, **same, **comparison_record(test)}
             for (a, b), test in evaluation.comparisons.items()

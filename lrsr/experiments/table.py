@@ -74,20 +74,20 @@ def evaluate(
         and :data:`FALSE_FACES` and the other :data:`~lrsr.experiments.likeness.MEASURES` as means
         over the probes for which they are known. Where faces were found on so few pictures that
         nothing can be measured, all but counts, fta, likeness and landmarks is None, fnmr is empty
-        and there is no curve. A test names option, setting, ipd_px, landmarks, method, against and
-        against_option, which is the same option or its rival, and holds the numbers of
-        :class:`~lrsr.evaluation.delong.AucComparison`, None for those that are infinite.
+        and there is no curve. A test names option, setting, ipd_px, landmarks, method, against,
+        against_option and against_ipd_px, which are those of the condition or of its rival, and
+        holds the numbers of :class:`~lrsr.evaluation.delong.AucComparison`, None for those that are
+        infinite.
 
     Raises:
         ScoreError: Fewer than two genuine or impostor scores are left, although nothing failed.
     """
-    pairs = [_Pair(*pair, condition.option) for pair in _rivals(design.upscalers)]
-    others = {f"{method}, option {condition.rival}": one for method, one in (rivals or {}).items()}
-    across = dict(zip(rivals or {}, others, strict=True))
-    keyed = {(pair.method, pair.against): pair for pair in pairs}
+    here = condition.option, condition.ipd_px
+    keyed = {pair: _Pair(*pair, *here) for pair in _rivals(design.upscalers)}
+    others = {f"{method} of the rival": one for method, one in (rivals or {}).items()}
     keyed |= {
-        (method, other): _Pair(method, method, condition.rival or 0)
-        for method, other in across.items()
+        (method, other): _Pair(method, method, *(condition.rival or here))
+        for method, other in zip(rivals or {}, others, strict=True)
     }
     found = _measure({**scores, **others}, [*keyed], design)
     rows = []
@@ -165,11 +165,12 @@ def _rivals(upscalers: Mapping[str, Upscaler | Several]) -> list[tuple[str, str]
 
 
 class _Pair(NamedTuple):
-    """A method, and which it is tested against under which option."""
+    """A method, and which it is tested against under which option and at which size."""
 
     method: str
     against: str
     option: int
+    ipd_px: float | None
 
 
 def _names(design: Design, condition: Condition, method: str, landmarks: Landmarks) -> Record:
@@ -250,6 +251,7 @@ def _comparison(
         "method": pair.method,
         "against": pair.against,
         "against_option": pair.option,
+        "against_ipd_px": pair.ipd_px,
         **comparison_record(test),
     }
 

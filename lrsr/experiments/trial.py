@@ -137,8 +137,10 @@ class Trial:
         return {}
 
     @cached_property
-    def _earlier(self) -> dict[tuple[int, float | None, Landmarks], Mapping[str, ScoreSource]]:
-        """Scores of rivals by option, size and landmarks, then by method; filled on the way."""
+    def _earlier(
+        self,
+    ) -> dict[tuple[tuple[int, float | None], Landmarks], Mapping[str, ScoreSource]]:
+        """Scores of rivals by option and size, and landmarks, then by method; filled on the way."""
         return {}
 
     @property
@@ -317,9 +319,10 @@ class Trial:
                 for method, one in seen.items()
             }
             errors = {method: one.errors for method, one in seen.items()}
-        if condition.option in {one.rival for one in self.design.conditions}:
-            self._earlier[condition.option, condition.ipd_px, landmarks] = scores
-        rivals = self._earlier.get((condition.rival or 0, condition.ipd_px, landmarks), {})
+        place = condition.option, condition.ipd_px
+        if place in {one.rival for one in self.design.conditions}:
+            self._earlier[place, landmarks] = scores
+        rivals = self._earlier.get((condition.rival, landmarks), {}) if condition.rival else {}
         told, tests, summaries = evaluate(
             self.design, condition, scores, likeness, landmarks, errors, rivals
         )

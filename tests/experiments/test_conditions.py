@@ -21,7 +21,7 @@ def test_the_sweep_is_the_papers_48_each_against_the_easiest() -> None:
     shown = [(one.pose, one.lighting, one.compression) for one in found.values()]
     assert len({*shown}) == len(shown) == 4 * 4 * 3
     assert (found[1].rival, shown[0]) == (None, ("frontal", "frontal", "none"))
-    assert {found[number].rival for number in range(2, 49)} == {1}
+    assert {found[number].rival for number in range(2, 49)} == {(1, 8.0)}
     assert found[48].title == "Option 48, IPD 8 px: pose left, lighting side, compression heavy"
 
 
@@ -29,7 +29,7 @@ def test_what_is_not_named_after_against_stays_equal() -> None:
     found = conditions("experiment=skin", "ipd_px=8")
     for one in found.values():
         assert one.skin is not None
-        rival = found.get(one.rival or 0)
+        rival = found[one.rival[0]] if one.rival else None
         assert (rival is None) == (one.skin.name == "reflective")
         assert rival is None or rival.lighting == one.lighting
         assert rival is None or rival.skin == preset("rendering/skin", "reflective")
@@ -47,7 +47,7 @@ def test_a_camera_may_be_a_file(tmp_path: Path) -> None:
     found = conditions("experiment=cameras", f"axes.camera=[phone,{path}]", "ipd_px=8")
     assert found[2].camera is not None
     assert (found[2].camera.name, found[2].camera.exposure_ev) == ("hall", 1.0)
-    assert (found[2].setting, found[2].rival) == ("camera lobby", 1)
+    assert (found[2].setting, found[2].rival) == ("camera lobby", (1, 8.0))
 
 
 def test_a_listed_condition_may_have_a_camera_of_its_own() -> None:
@@ -55,6 +55,15 @@ def test_a_listed_condition_may_have_a_camera_of_its_own() -> None:
     assert one.camera is not None
     assert one.camera.name == "webcam"
     assert (one.setting, one.rival) == ("", None)
+
+
+def test_a_listed_condition_is_tested_against_itself_at_the_size_before() -> None:
+    config = configurations.composed("eval", "ipd_px=[8,14,11]", "options=[1,2]")
+    assert [(one.option, one.ipd_px, one.rival) for one in read_conditions(config)] == [
+        *((1, 8.0, None), (2, 8.0, None)),
+        *((1, 14.0, (1, 8.0)), (2, 14.0, (2, 8.0))),
+        *((1, 11.0, (1, 14.0)), (2, 11.0, (2, 14.0))),
+    ]
 
 
 def test_options_choose_of_the_combinations() -> None:
@@ -108,6 +117,6 @@ def test_photographs_are_looked_at_by_several_detectors_and_nothing_else(tmp_pat
         "mine.onnx",
         "detector mine",
     )
-    assert (one.rival, other.rival, one.scene) == (None, 1, None)
+    assert (one.rival, other.rival, one.scene) == (None, (1, None), None)
     with pytest.raises(InputError, match="axes=pose: wanted only a detector: photographs"):
         photographed(configurations.composed("eval", "experiment=sweep"), found)

@@ -153,6 +153,7 @@ def test_rows_and_comparisons_have_the_fields_of_the_results_file() -> None:
     (comparison,) = compared({"base": scored(0.1), "srcnn4": scored(0.9)})
     assert list(comparison) == [
         "option", "setting", "ipd_px", "landmarks", "method", "against", "against_option",
+        "against_ipd_px",
         "difference", "low", "high", "subject_low", "subject_high", "bootstrap_low",
         "bootstrap_high", "z", "p", "log10_p", "bootstrap_p",
     ]  # fmt: skip

@@ -139,7 +139,9 @@ def test_an_axis_is_told_tested_and_shown(tmp_path: Path, tone_model: Path) -> N
     noisy = Camera(sensor=Sensor(200.0), name="noisy")
     conditions = (
         Condition(1, FRONTAL, "none", 8.0, varied={"camera": "plain"}),
-        Condition(2, FRONTAL, "none", 8.0, camera=noisy, varied={"camera": "noisy"}, rival=1),
+        Condition(
+            2, FRONTAL, "none", 8.0, camera=noisy, varied={"camera": "noisy"}, rival=(1, 8.0)
+        ),
     )
     folder = run(tmp_path, tone_model, conditions=conditions, methods=("base",), details=False)
     results = json.loads((folder / "results.json").read_text())

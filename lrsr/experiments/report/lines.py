@@ -26,7 +26,7 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
         rows: Lines of the table, as of :func:`lrsr.experiments.table.evaluate`.
         comparisons: Its paired tests; each is found again in the line of its method. Those that
             remain significant at 5 % after Holm's correction for all of them are marked. That of
-            the same method under another option is "rival".
+            the same method under another condition is "rival".
     """
     adjusted = holm_adjusted([comparison["p"] for comparison in comparisons])
     labels = method_labels(rows)
@@ -35,16 +35,20 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
     rivals: dict[tuple[Any, ...], dict[str, Any]] = {}
     for test, p_holm in zip(comparisons, adjusted, strict=True):
         told = {
-            "difference": f"{test['difference']:+.3f}".replace("-", "−"),
+            "difference": _signed(test),
             "p": _format_p(test["p"], test["log10_p"]),
             "remains": p_holm < 0.05,
         }
-        other = test["against_option"]
-        if other == test["option"]:
+        if not across_conditions(test):
             label = {"against_label": labels[test["against"]]}
             tests.setdefault(_place(test), {})[test["against"]] = told | label
+            continue
+        other = test["against_option"]
+        if other == test["option"]:
+            label = {"label": f"{test['against_ipd_px']:g} px"}
         else:
-            rivals[_place(test)] = told | {"label": settings.get(other, f"option {other}")}
+            label = {"label": settings.get(other, f"option {other}")}
+        rivals[_place(test)] = told | label
     if len({rival["label"] for rival in rivals.values()}) > 1:
         for place, rival in rivals.items():
             rival["label"] = _differing(rival["label"], settings[place[1]])
@@ -53,6 +57,28 @@ def report_lines(rows: _Records, comparisons: _Records) -> list[dict[str, Any]]:
         {**_line(row, tests.get(_place(row), {}), several), "rival": rivals.get(_place(row))}
         for row in rows
     ]
+
+
+def across_conditions(test: Mapping[str, Any]) -> bool:
+    """Tell whether a paired test is of one method under two conditions, not of two methods."""
+    return any(test[f"against_{name}"] != test[name] for name in ("option", "ipd_px"))
+
+
+def _signed(test: Mapping[str, Any]) -> str:
+    """Write a difference with its sign, and as many digits as its interval bears."""
+    known = test["low"] is not None and test["high"] is not None
+    digits = _digits((test["high"] - test["low"]) / 4 if known else None)
+    return f"{test['difference']:+.{digits}f}".replace("-", "−")
+
+
+def _digits(error: float | None) -> int:
+    """Return how many digits behind the point are worth writing: 3, more near to an AUC of 1.
+
+    Example:
+        >>> [_digits(error) for error in (0.02, 0.0002, 0.00001, 0.0, None)]
+        [3, 4, 5, 3, 3]
+    """
+    return min(5, max(3, math.ceil(-math.log10(2 * error)))) if error else 3
 
 
 def _differing(setting: str, other: str) -> str:
@@ -75,10 +101,12 @@ def best_methods(lines: _Records) -> Iterator[str]:
         top = max(line["auc"] for line in here)
         best = [line for line in here if line["auc"] == top]
         if len(here) == 1:
-            yield f"{condition}: the AUC of {_measured(best[0], ' is ')}."
+            test = best[0]["rival"]
+            against = f"; {_verdict(test, test['label'])}" if test else ""
+            yield f"{condition}: the AUC of {_measured(best[0], ' is ')}{against}."
         elif len(best) > 1:
             names = ", ".join(line["label"] for line in best)
-            yield f"{condition}: {names} share the highest AUC, {top:.3f}."
+            yield f"{condition}: {names} share the highest AUC, {best[0]['area']}."
         else:
             missed = any(line["fta"] for line in here)
             yield f"{condition}: {_praise(best[0], missed=missed)}."
@@ -195,11 +223,14 @@ def _line(row: Mapping[str, Any], tests: Mapping[str, Any], several: Set[str]) -
     if cut:
         low, high = row["logit_low"], row["logit_high"]
     exact = degenerate or not measured
+    digits = _digits(row["std"])
     return {
         **row,
         "condition": condition_of(row, several),
         "measured": measured,
-        "interval": "no interval" if exact else f"{low:.3f} – {high:.3f}",
+        "digits": digits,
+        "area": f"{row['auc']:.{digits}f}" if measured else "",
+        "interval": "no interval" if exact else f"{low:.{digits}f} – {high:.{digits}f}",
         "low": low,
         "high": high,
         "cut": cut,
@@ -216,15 +247,15 @@ def _praise(line: Mapping[str, Any], *, missed: bool) -> str:
     """
     clauses = [f"the highest AUC is that of {_measured(line)}"]
     both = ", where both found the face," if missed else ""
-    for test in line["tests"].values():
-        verdict = "" if test["remains"] else ", no difference shown"
-        clauses.append(
-            f"against {test['against_label']}{both} {test['difference']}"
-            f" (p\u00a0=\u00a0{test['p']}{verdict})"
-        )
+    clauses += [_verdict(test, f"{test['against_label']}{both}") for test in line["tests"].values()]
     return "; ".join(clauses)
+
+
+def _verdict(test: Mapping[str, Any], rival: str) -> str:
+    verdict = "" if test["remains"] else ", no difference shown"
+    return f"against {rival} {test['difference']} (p\u00a0=\u00a0{test['p']}{verdict})"
 
 
 def _measured(line: Mapping[str, Any], between: str = ", ") -> str:
     interval = "" if line["degenerate"] else f" [{line['interval']}]"
-    return f"{line['label']}{between}{line['auc']:.3f}{interval}"
+    return f"{line['label']}{between}{line['area']}{interval}"

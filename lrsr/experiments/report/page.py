@@ -10,6 +10,7 @@ import numpy as np
 
 from lrsr.experiments.report.figures import draw_intervals, draw_roc
 from lrsr.experiments.report.lines import (
+    across_conditions,
     best_methods,
     condition_of,
     extremes,
@@ -66,8 +67,7 @@ def write_report(
     """
     rows, config = results["rows"], results["config"]
     lines = report_lines(rows, results["comparisons"])
-    here = [one for one in results["comparisons"] if one["against_option"] == one["option"]]
-    rivals = {test["against"] for test in here}
+    rivals = {test["against"] for test in results["comparisons"] if not across_conditions(test)}
     view = Overview(config)
     others = [(name, label) for name, label in method_labels(rows).items() if name in rivals]
     several = len({line["condition"] for line in lines}) > 1

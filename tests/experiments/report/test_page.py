@@ -69,7 +69,8 @@ def make_results(options: tuple[int, ...] = (1,), **changes: Any) -> dict[str, A
                 "landmarks": "shared",
                 "method": method,
             }
-            comparisons.append({**names, "against": against, "against_option": option, **test})
+            here = {"against_option": option, "against_ipd_px": names["ipd_px"]}
+            comparisons.append({**names, "against": against, **here, **test})
     config = {
         "name": "does_it_help",
         "question": "Is SR better than bicubic?",
@@ -379,6 +380,7 @@ def make_crossed(lights: tuple[str, ...] = ("frontal", "side")) -> dict[str, Any
             scores = [draw(1.0 + one, one) for one in (option, other)]
             names = {key: row[key] for key in ("recogniser", "option", "ipd_px", "landmarks")}
             against = {"method": "base", "against": "base", "against_option": other}
+            against |= {"against_ipd_px": row["ipd_px"]}
             tests.append({**names, **against, **asdict(compare_aucs(*scores[0], *scores[1]))})
     conditions = [{"option": k, "varied": one} for k, one in enumerate(varied, start=1)]
     config = make_results()["config"] | {"conditions": conditions}
@@ -406,6 +408,27 @@ def test_where_every_size_has_one_setting_the_best_method_is_named() -> None:
     text = Page(render_html(results | {"rows": rows, "comparisons": []})).text
     assert "is highest with" not in text
     assert "Pose left, lighting side, IPD 11 px: the AUC of Base is" in text
+
+
+def test_sizes_are_compared_in_words() -> None:
+    row = make_row(1, "base", draw(1.0, 1))
+    larger = make_row(1, "base", draw(2.0, 1)) | {"ipd_px": 14.0}
+    names = {key: larger[key] for key in ("recogniser", "option", "ipd_px", "landmarks")}
+    against = {"method": "base", "against": "base", "against_option": 1, "against_ipd_px": 8.0}
+    test = {**names, **against, **asdict(compare_aucs(*draw(2.0, 1), *draw(1.0, 1)))}
+    told = Page(render_html(make_results(rows=[row, larger], comparisons=[test]))).text
+    assert re.search(
+        r"IPD 14 px: the AUC of Base is 0\.\d+ \[.*\]; against 8 px \+0\.\d+ \(p", told
+    )
+    assert "Against 8 px difference, p" in told
+
+
+def test_areas_near_one_have_more_digits() -> None:
+    row = make_row(1, "base", draw(6.0, 1))
+    line = report_lines([row | {"auc": 0.99968, "std": 0.0001, "low": 0.9995, "high": 0.9999}], [])[
+        0
+    ]
+    assert (line["area"], line["interval"]) == ("0.9997", "0.9995 – 0.9999")
 
 
 def test_a_line_names_in_what_its_rival_differs() -> None:
