@@ -85,7 +85,7 @@ def test_wrong_input_is_one_line_and_status_2(
 
 
 def test_a_process_ends_with_that_line_and_status(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "lrsr", "eval", "methods=[magic]"]
+    command = [sys.executable, "-m", "lrsr", "eval", "magic=1"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
