@@ -61,9 +61,10 @@ def section(schema: type[_Schema], config: "DictConfig", key: str) -> _Schema:
     from omegaconf import OmegaConf  # loaded by Hydra anyway
     from omegaconf.errors import OmegaConfBaseException
 
+    wanted: Any = schema
     try:
         given: Any = OmegaConf.to_container(config[key], resolve=True)  # while it has its parents
-        merged = OmegaConf.merge(_structured(schema), given)
+        merged = OmegaConf.merge(_structured(wanted), given)
         values = OmegaConf.to_container(merged, resolve=True)
     except OmegaConfBaseException as error:
         place = getattr(error, "full_key", None)
@@ -82,7 +83,7 @@ def section(schema: type[_Schema], config: "DictConfig", key: str) -> _Schema:
 
 
 @cache
-def _structured(schema: type) -> Any:
+def _structured(schema: Any) -> Any:
     """Return what a dataclass asks for, as OmegaConf says it: merged, never changed."""
     from omegaconf import OmegaConf  # loaded by Hydra anyway
 
