@@ -6,7 +6,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import fields
 from datetime import datetime
 from decimal import Decimal
-from functools import lru_cache
+from functools import cache, lru_cache
 from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
@@ -61,9 +61,10 @@ def section(schema: type[_Schema], config: "DictConfig", key: str) -> _Schema:
     from omegaconf import OmegaConf  # loaded by Hydra anyway
     from omegaconf.errors import OmegaConfBaseException
 
+    wanted: Any = schema
     try:
         given: Any = OmegaConf.to_container(config[key], resolve=True)  # while it has its parents
-        merged = OmegaConf.merge(OmegaConf.structured(schema), given)
+        merged = OmegaConf.merge(_structured(wanted), given)
         values = OmegaConf.to_container(merged, resolve=True)
     except OmegaConfBaseException as error:
         place = getattr(error, "full_key", None)
@@ -79,6 +80,14 @@ def section(schema: type[_Schema], config: "DictConfig", key: str) -> _Schema:
         if isinstance(value, float):
             as_number(value, f"{key}.{field}")
     return schema(**found)
+
+
+@cache
+def _structured(schema: Any) -> Any:
+    """Return what a dataclass asks for, as OmegaConf says it: merged, never changed."""
+    from omegaconf import OmegaConf  # loaded by Hydra anyway
+
+    return OmegaConf.structured(schema)
 
 
 def number(config: "DictConfig", key: str) -> float:

@@ -1,32 +1,19 @@
 """Words as people type them reach Hydra as they were meant, or are refused with the right name."""
 
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
+from fakes.configurations import compose_keys_once
 from hydra.core.override_parser.overrides_parser import OverridesParser
 
 from lrsr.errors import InputError
 from lrsr.overrides import _OPEN, Overrides, fields_of, pieces_of
 from lrsr.paths import config_folder
 
-COMPOSED = Overrides._composed
-
-
-@cache
-def composed(command: str, folders: tuple[Path, ...], words: tuple[str, ...]) -> dict[str, Any]:
-    return COMPOSED(Overrides(command, folders), list(words))
-
 
 @pytest.fixture(autouse=True)
 def once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Compose each command's configuration once, not for every case."""
-    monkeypatch.setattr(
-        Overrides,
-        "_composed",
-        lambda self, words: composed(self.command, tuple(self.folders), tuple(words)),
-    )
+    compose_keys_once(monkeypatch)
 
 
 def mended(*words: str, command: str = "render", sweep: bool = False) -> list[str]:

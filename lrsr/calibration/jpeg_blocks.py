@@ -38,6 +38,8 @@ _GRIDS = tuple((x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX))
 """Places of the first pixel within its block."""
 _SAMPLE = 64
 """Coefficients of each frequency that a grid is chosen by; the quality is found with all."""
+_AT_ONCE = 512
+"""Coefficients that are compared with all tables at once: what a cache holds."""
 
 _Floats = NDArray[np.float64]
 
@@ -103,41 +105,40 @@ def _likeliest(coefficients: _Floats, most: int | None = None) -> tuple[int, flo
 
     ``most``: of each frequency, that many at most are looked at.
     """
-    total, count = np.zeros(101), 0
-    for row in range(BLOCK_PX):
-        for column in range(BLOCK_PX):
-            if row == column == 0:
-                continue  # sums of clipped pixels, and no zeros to compare with
-            seen = np.abs(coefficients[:, row, column])
-            seen = seen[seen > _LEAST][:most]
-            count += len(seen)
-            steps, of_quality = _DISTINCT[row][column]
-            total[1:] += _log_ratios(seen, steps)[of_quality]
+    sizes = np.abs(coefficients).reshape(-1, BLOCK_PX**2)
+    told = sizes > _LEAST
+    told[:, 0] = False  # sums of clipped pixels, and no zeros to compare with
+    if most is not None:
+        told &= told.cumsum(axis=0) <= most
+    count = int(told.sum())
     if count < _ENOUGH:
         return 100, 0.0
-    best = 1 + int(np.argmax(total[1:]))
-    return best, float(total[best]) / count
+    # Of a frequency, a step that is much larger than all of it explains nothing.
+    largest = 2 * np.where(told, sizes, 0.0).max(axis=0) + 8
+    seen, frequency = sizes[told], told.nonzero()[1]
+    total = np.zeros(len(_STEPS))
+    for start in range(0, count, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        steps = _STEPS[:, frequency[part]]
+        total += _log_ratios(seen[part], steps, steps <= largest[frequency[part]])
+    best = int(np.argmax(total))
+    return 1 + best, float(total[best]) / count
 
 
-def _log_ratios(seen: _Floats, steps: _Floats) -> _Floats:
-    """Return for every step how much likelier it makes these than a smooth density does.
+def _log_ratios(seen: _Floats, steps: _Floats, near: NDArray[np.bool_]) -> _Floats:
+    """Return for every quality how much likelier it makes ``(n,)`` than a smooth density does.
 
     A coefficient that is not zero lies at a multiple of the step, the first or a later one, blurred
-    by rounding; the smooth density, spread over a step, cancels.
+    by rounding; the smooth density, spread over a step, cancels. ``steps``: ``(qualities, n)``;
+    ``near``: which of them may explain anything.
     """
-    largest = float(seen.max(initial=0.0))
-    considered = steps[:, None] <= 2 * largest + 8  # a larger step explains none of them
-    multiple = np.maximum(np.rint(seen / steps[:, None]), 1)
-    miss = (seen - multiple * steps[:, None]) / _ROUNDING
-    likely = steps[:, None] * np.exp(-0.5 * miss**2) / (_ROUNDING * math.sqrt(2 * math.pi))
-    ratios = np.log((1 - _OUTLIERS) * np.where(considered, likely, 0.0) + _OUTLIERS)
+    ratios = np.full(near.shape, math.log(_OUTLIERS))
+    step, size = steps[near], seen[near.nonzero()[1]]
+    miss = (size - np.maximum(np.rint(size / step), 1) * step) / _ROUNDING
+    likely = step * np.exp(-0.5 * miss**2) / (_ROUNDING * math.sqrt(2 * math.pi))
+    ratios[near] = np.log((1 - _OUTLIERS) * likely + _OUTLIERS)
     return np.asarray(ratios.sum(axis=1))
 
 
 _DCT: _Floats = cosine_transform().numpy()
-_STEPS = np.stack([luminance_table(quality) for quality in range(1, 101)])
-# Of each frequency, the steps that occur (fewer than there are qualities) and each quality's.
-_DISTINCT = [
-    [np.unique(_STEPS[:, row, column], return_inverse=True) for column in range(BLOCK_PX)]
-    for row in range(BLOCK_PX)
-]
+_STEPS = np.stack([luminance_table(quality).ravel() for quality in range(1, 101)])

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 from lrsr.pictures.recipe import Recipe
@@ -36,9 +37,9 @@ class Surveyor(Maker, Protocol):
 class MitsubaMaker:
     """The procedural heads of :mod:`lrsr.identities`, rendered by :mod:`lrsr.rendering`."""
 
-    @property
+    @cached_property
     def versions(self) -> Mapping[str, str]:
-        """Versions of the identities, of the renderer and of Mitsuba's variant."""
+        """Versions of the identities, of the renderer and of Mitsuba's variant: looked up once."""
         from lrsr.identities.morphable import RECIPE_VERSION
         from lrsr.rendering.backend import choose_variant
         from lrsr.rendering.renderer import RENDERER_VERSION, SPECTRA_VERSION

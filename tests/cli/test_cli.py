@@ -7,11 +7,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from fakes.configurations import compose_keys
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from omegaconf import DictConfig
 
 from lrsr.cli import _COMMANDS, _mended, main
 from lrsr.errors import InputError
+from lrsr.overrides import Overrides
 
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
@@ -85,7 +87,7 @@ def test_wrong_input_is_one_line_and_status_2(
 
 
 def test_a_process_ends_with_that_line_and_status(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "lrsr", "eval", "methods=[magic]"]
+    command = [sys.executable, "-m", "lrsr", "eval", "magic=1"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
@@ -101,6 +103,7 @@ def test_settings_are_composed_once_to_know_the_keys_and_once_to_run(
         composed.append(options)
         return load(*args, **options)
 
+    monkeypatch.setattr(Overrides, "_composed", compose_keys)
     monkeypatch.setattr(ConfigLoaderImpl, "load_configuration", counted)
     monkeypatch.chdir(tmp_path)
     assert main(["models", "lost"]) == 2

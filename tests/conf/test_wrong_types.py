@@ -19,6 +19,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from lrsr import presets, tasks
 from lrsr.failures import explain
+from lrsr.pictures import sitting
 from lrsr.pictures.image_files import write_png
 from lrsr.sr import loading
 from lrsr.training import run
@@ -55,10 +56,16 @@ COMMANDS = {
 }
 SHARED = {"identities", "rendering", "lens", "standpoint", "paths", "seed", "processes"}
 """What is read alike in every command, and tried in the first."""
+BUILT_ALIKE = {"pose", "lighting", "expression", "another_day", "burst"}
+"""Built alike in every command: tried whole in the first, by one setting in those that read it."""
+OF_RENDER = ("kind", "ipd_px", "frames", "scales", "compression", "png16", "out")
+"""Of the command, whatever lens and camera: tried in the first."""
+OF_TRAINING = ("trainer", "resume", "camera")
+"""Of the command, whatever network: tried with srcnn."""
 UNREAD = {
     "render": {"gallery", "paths.run", "paths.runs"},  # of kind=probe; it writes into out
-    "render-lens": {"gallery", "paths.run", "paths.runs"},
-    "render-spectral": {"gallery"},
+    "render-lens": {"gallery", *OF_RENDER},
+    "render-spectral": {"gallery", *OF_RENDER, "camera.sensor", "camera.processing"},
     "render-gallery": {
         *("pose", "lighting", "expression", "another_day", "ipd_px", "compression", "burst"),
     },
@@ -78,13 +85,12 @@ UNREAD = {
     "upscale": {"paths.run", "paths.runs"},  # it writes into out
     "fit-camera": {"camera"},  # when the pictures were read
     "models": {"paths"},
-    "train-images": {
-        *("expression", "another_day"),
-        *("camera", "callbacks", "module", "trainer", "resume"),  # tried with srcnn
-    },
-    "train-mixed": {"camera", "callbacks", "module", "trainer", "resume"},
+    "train-edsr": {*OF_TRAINING},
+    "train-arcface": {*OF_TRAINING},
+    "train-images": {"expression", "another_day", "callbacks", "module", *OF_TRAINING},
+    "train-mixed": {"callbacks", "module", *OF_TRAINING, "degradation"},  # tried with images
     "train-position-map": {
-        *("expression", "another_day", "camera", "callbacks", "trainer", "resume"),  # as above
+        *("expression", "another_day", "callbacks", *OF_TRAINING),
         *("degradation.background", "degradation.occlusion", "degradation.blur"),  # with arcface
         *("degradation.colour", "degradation.misalignment", "data.variety.named_share"),
     },
@@ -147,6 +153,7 @@ def _nothing_is_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(loading, "read_weights", functools.cache(loading.read_weights))
     monkeypatch.setattr(presets, "preset", as_they_are)
     monkeypatch.setattr(hydra.utils, "instantiate", made_once)
+    monkeypatch.setattr(sitting, "section", read_once)
     of_hydra = SimpleNamespace(
         job=SimpleNamespace(config_name="command", num=0),
         mode=RunMode.RUN,
@@ -174,6 +181,17 @@ def made_once(node: Any, **how: Any) -> Any:
     if key not in MADE:
         MADE[key] = INSTANTIATE(node, **how)
     return MADE[key]
+
+
+SECTION, READ = sitting.section, dict[str, Any]()
+
+
+def read_once(schema: type, config: DictConfig, key: str) -> Any:
+    """Read a section that a case has left as it was once for all cases."""
+    asked = f"{schema} {config[key]}"
+    if asked not in READ:
+        READ[asked] = SECTION(schema, config, key)
+    return READ[asked]
 
 
 def leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -233,6 +251,8 @@ def test_a_value_of_another_kind_is_refused_by_name(command: str) -> None:
         key = ".".join(path)
         if is_below(key, skipped) or (isinstance(value, str) and "${" in value):
             continue
+        if command != "render":
+            skipped |= BUILT_ALIKE & {path[0]}
         for other in of_other_kinds(value):
             if other in RIGHT.get(key, ()):
                 continue

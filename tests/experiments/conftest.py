@@ -6,6 +6,7 @@ from pathlib import Path
 import onnx
 import pytest
 from fakes.contracts import declare
+from fakes.figures import draw_nothing
 from onnx import TensorProto, helper
 
 
@@ -29,12 +30,6 @@ def tone_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module", autouse=True)
 def no_figures() -> Iterator[None]:
-    """Let reports have empty figures, which have tests of their own and take seconds to draw."""
     with pytest.MonkeyPatch.context() as patch:
-        for place in (
-            *("further.draw_det_and_cmc", "further.draw_tippett", "further.draw_ece"),
-            *("further.draw_discard", "report.page.draw_roc", "report.page.draw_intervals"),
-            *("report.case.draw_tippett", "report.case.draw_ece", "report.overview.draw_heat_maps"),
-        ):
-            patch.setattr(f"lrsr.experiments.{place}", lambda *_, **__: "data:,")
+        draw_nothing(patch)
         yield

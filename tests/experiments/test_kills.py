@@ -10,7 +10,9 @@ TESTS = Path(__file__).parents[1]
 RUNS = """
 import os, signal, sys, time
 from pathlib import Path
+import pytest
 import torch
+from fakes.figures import draw_nothing
 from fakes.painted import PaintedMaker
 from lrsr.camera import Camera
 from lrsr.experiments.conditions import Condition
@@ -23,6 +25,7 @@ from lrsr.recognition.settings import RecognitionSettings
 from lrsr.rendering.scene import Film, Quality, Scene
 
 torch.set_num_threads(1)  # nothing that a fork would miss
+draw_nothing(pytest.MonkeyPatch())
 root, model, *moments = sys.argv[1:]
 people, quality = IdentityRange(count=6), Quality(samples_per_pixel=4, texture_size=64)
 scene = Scene(preset("lighting", "frontal"))

@@ -2,12 +2,16 @@
 
 import copy
 from functools import cache
+from pathlib import Path
+from typing import Any
 
+import pytest
 from hydra import compose, initialize_config_dir
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import DictConfig
 
+from lrsr.overrides import Overrides
 from lrsr.paths import config_folder
 
 
@@ -26,3 +30,22 @@ def composed(command: str, *words: str) -> DictConfig:
 def _of_groups(command: str, *words: str) -> DictConfig:
     with initialize_config_dir(str(config_folder()), version_base="1.3"):
         return compose(command, list(words))
+
+
+compose_keys = Overrides._composed
+
+
+def compose_keys_once(patch: pytest.MonkeyPatch) -> None:
+    """Compose what a command's words are checked against once for equal groups."""
+
+    def composed(self: Overrides, words: list[str]) -> dict[str, Any]:
+        empty = {one for one in self.folders if one.is_dir() and not any(one.iterdir())}
+        folders = tuple(one for one in self.folders if one not in empty)
+        return _keys(self.command, folders, tuple(words))
+
+    patch.setattr(Overrides, "_composed", composed)
+
+
+@cache
+def _keys(command: str, folders: tuple[Path, ...], words: tuple[str, ...]) -> dict[str, Any]:
+    return compose_keys(Overrides(command, folders), list(words))

@@ -178,7 +178,7 @@ def make_arcface(people: int = 4, *, seed: int = 0) -> Identification:
     )
 
 
-def train_fake(network: str, folder: str, epochs: int) -> None:
+def train_fake(network: str, folder: Path, epochs: int) -> None:
     """Train one of the fakes; what a process that is going to be killed runs."""
     from lrsr.training.progress import Progress
     from lrsr.training.run import train
@@ -191,17 +191,20 @@ def train_fake(network: str, folder: str, epochs: int) -> None:
     train(
         module,
         data,
-        folder=Path(folder),
+        folder=folder,
         trainer=partial(quiet, max_epochs=epochs),
         callbacks=[Progress()],
         depends_on={"network": network, "epochs": epochs},
     )
 
 
-def train_by_command(folder: str, epochs: int) -> int:
-    """Run ``lrsr train`` itself, on drawn pictures, with constant rates; return its status."""
+def train_by_command(folder: Path, epochs: int) -> int:
+    """Run ``lrsr train`` itself, on drawn pictures, with constant rates; return its status.
+
+    No ONNX file is written: that takes seconds.
+    """
     from lrsr.cli import main
-    from lrsr.training import lessons
+    from lrsr.training import lessons, restoration
 
     class Drawn(SyntheticPairs):
         unread: Mapping[str, str] = {}
@@ -211,5 +214,6 @@ def train_by_command(folder: str, epochs: int) -> int:
 
     torch.set_num_threads(1)
     lessons.read_lessons = lambda *_: Drawn()  # type: ignore[assignment]
+    restoration.export_onnx = lambda *_, **__: 0.0
     words = ["train", "sr=srcnn2x", "module.scheduler=null", f"trainer.max_epochs={epochs}"]
     return main([*words, "trainer.accelerator=cpu", "identities.count=2", f"paths.run={folder}"])

@@ -2,11 +2,10 @@ import csv
 import json
 import os
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from functools import partial
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 import onnxruntime
 import pytest
 import torch
+from fakes.elsewhere import begin
 from fakes.lessons import (
     FaceLessons,
     PaintedFaces,
@@ -223,28 +223,8 @@ def test_each_term_of_the_loss_has_its_figure(tmp_path: Path) -> None:
     assert 0 < terms[0] < 2
 
 
-FAKE = "import sys; from fakes.lessons import train_fake; train_fake(*sys.argv[1:3], 4)"
-COMMAND = """
-import sys
-from fakes.lessons import train_by_command
-from lrsr.training import restoration
-restoration.export_onnx = lambda *_, **__: 0.0
-sys.exit(train_by_command(*sys.argv[1:]))
-"""
-
-
-def begin(code: str, *words: object) -> subprocess.Popen[bytes]:
-    """Start a process of its own: only that can be killed, or hold a folder against this one."""
-    command = [sys.executable, "-c", code, *map(str, words)]
-    paths = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
-    environment = {**os.environ, "PYTHONPATH": paths}
-    return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
-    )
-
-
-def wait_for_epochs(process: subprocess.Popen[bytes], folder: Path, count: int) -> None:
-    while process.poll() is None and epochs_of(folder) < count:
+def wait_for_epochs(process: BaseProcess, folder: Path, count: int) -> None:
+    while process.is_alive() and epochs_of(folder) < count:
         time.sleep(0.01)
 
 
@@ -253,15 +233,15 @@ def wait_for_epochs(process: subprocess.Popen[bytes], folder: Path, count: int) 
 def test_four_epochs_killed_after_two_end_with_the_same_weights(
     network: str, tmp_path: Path
 ) -> None:
-    with begin(FAKE, network, tmp_path / "killed") as process:
-        wait_for_epochs(process, tmp_path / "killed", 2)
-        process.kill()
-        stdout, stderr = process.communicate(timeout=60)
-    assert process.returncode == -signal.SIGKILL
-    assert b"epoch 2/4: " in stderr
-    assert stdout == b"", "progress belongs to stderr"
+    process = begin(tmp_path / "told", train_fake, network, tmp_path / "killed", 4)
+    wait_for_epochs(process, tmp_path / "killed", 2)
+    process.kill()
+    process.join(timeout=60)
+    assert process.exitcode == -signal.SIGKILL
+    assert "epoch 2/4: " in (tmp_path / "told" / "err").read_text()
+    assert (tmp_path / "told" / "out").read_text() == "", "progress belongs to stderr"
     for name in ("whole", "killed"):
-        train_fake(network, str(tmp_path / name), 4)
+        train_fake(network, tmp_path / name, 4)
     one, other = (
         torch.load(tmp_path / name / "last.ckpt", weights_only=True) for name in ("whole", "killed")
     )
@@ -270,24 +250,25 @@ def test_four_epochs_killed_after_two_end_with_the_same_weights(
     assert all(torch.equal(one["state_dict"][name], t) for name, t in other["state_dict"].items())
 
 
-@without_export
 def test_of_two_commands_in_one_folder_the_later_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(lessons, "read_lessons", lessons.read_lessons)  # to be as it was again
+    for module, name in ((lessons, "read_lessons"), (restoration, "export_onnx")):
+        monkeypatch.setattr(module, name, getattr(module, name))  # to be as it was again
     folder = tmp_path / "run"
-    with begin(COMMAND, folder, 12) as first:
-        wait_for_epochs(first, folder, 1)
-        first.send_signal(signal.SIGSTOP)  # it works in the folder, however fast it is
-        assert train_by_command(str(folder), 12) == 2
-        told = capsys.readouterr()
-        first.send_signal(signal.SIGCONT)
-        assert told.out == ""
-        line = f"lrsr: {folder} is in use by another lrsr command: wait for it or choose another"
-        assert told.err.splitlines()[-1] == line
-        first.communicate(timeout=120)
-    assert (first.returncode, epochs_of(folder)) == (0, 12)
-    assert train_by_command(str(folder), 14) == 0
+    first = begin(tmp_path / "told", train_by_command, folder, 12)
+    assert first.pid is not None
+    wait_for_epochs(first, folder, 1)
+    os.kill(first.pid, signal.SIGSTOP)  # it works in the folder, however fast it is
+    assert train_by_command(folder, 12) == 2
+    told = capsys.readouterr()
+    os.kill(first.pid, signal.SIGCONT)
+    assert told.out == ""
+    line = f"lrsr: {folder} is in use by another lrsr command: wait for it or choose another"
+    assert told.err.splitlines()[-1] == line
+    first.join(timeout=120)
+    assert (first.exitcode, epochs_of(folder)) == (0, 12)
+    assert train_by_command(folder, 14) == 0
     assert capsys.readouterr().out.split() == [str(folder)]
     history = json.loads((folder / "metrics.json").read_text())["history"]
     assert [epoch["epoch"] for epoch in history] == [*range(14)]
