@@ -189,14 +189,16 @@ def _crossed(axes: Mapping[str, list[str]], against: list[str]) -> dict[int, _Op
     """Number all combinations; what is tested against has the first values of some axes.
 
     Raises:
-        InputError: ``against`` names no axis.
+        InputError: ``against`` names no axis, or one with a single value while others vary.
     """
+    several = [name for name, values in axes.items() if len(values) > 1]
     for axis in against:
         wish = f"some of the axes, {', '.join(axes)}" if axes else "[], as there are no axes"
         require(axis in axes, "against", axis, wish)
+        wish = "two or more, to be compared; or against=[]"
+        require(not several or bool({*against} & {*several}), f"axes.{axis}", axes[axis], wish)
     if not axes:
         return {}
-    several = [name for name, values in axes.items() if len(values) > 1]
     rows = [dict(zip(axes, names, strict=True)) for names in itertools.product(*axes.values())]
     firsts = {axis: axes[axis][0] for axis in against}
     found = {}
