@@ -223,7 +223,11 @@ class Overrides:
                 hint = f"{_meant(part, fields)}; {'.'.join(outer)} has {', '.join(fields)}"
                 raise InputError(f"no setting {key!r}{hint}")
         elif not isinstance(node, dict | None) or not (_OPEN & {*outer} or _is_built(above[1:])):
-            hint = _meant(key, [*_keys(base), *self._groups()])
+            section = ".".join(outer) if isinstance(node, dict) else ""
+            known = [name for name in (*_keys(base), *self._groups()) if name != section]
+            hint = _meant(key, known)
+            if section and not hint:
+                hint = f"; {section} has {', '.join(sorted(map(str, node)))}"
             if parts[0] not in base and parts[0] in self._options("experiment") and parts[1:]:
                 hint = f": it is one of experiment={parts[0]}"
             hint = hint or f": lrsr {self.command} --help lists them"

@@ -83,6 +83,7 @@ def test_a_misspelt_section_is_refused_without_loading_what_the_experiment_is_ma
         ("upscale", "scale=2", "lrsr upscale --help lists them"),  # not paths.cache
         ("eval", "experimant=own", "did you mean experiment?"),
         ("eval", "case.images=x", "it is one of experiment=case"),
+        ("compare", "cut.x=3", "'cut.x'; cut has ipds, longest_px"),
     ],
 )
 def test_nothing_far_fetched_is_offered(command: str, word: str, says: str) -> None:

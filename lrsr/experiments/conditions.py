@@ -16,6 +16,7 @@ from lrsr.configuration import (
     as_word,
     numbered,
     numbers,
+    once,
     require,
     whole_numbers,
     words,
@@ -132,13 +133,14 @@ def read_conditions(config: "DictConfig") -> tuple[Condition, ...]:
     require(not (axes and listed), "axes", ", ".join(axes), wish)
     table = _crossed(axes, words(config, "against"))
     table |= {number: _Option(settings, {}, None) for number, settings in listed.items()}
-    sizes = numbers(config, "ipd_px")
-    chosen = [*table] if config.options is None else whole_numbers(config, "options")
+    sizes = once(numbers(config, "ipd_px"), "ipd_px")
+    require(bool(sizes), "ipd_px", sizes, "at least one size")
+    asked = [*table] if config.options is None else whole_numbers(config, "options")
+    chosen = once(asked, "options")
     for option in chosen:
         require(option in table, "options", option, f"one of {sorted(table)}")
     made = {  # those that are not chosen are to be right, too
-        number: _condition(number, option, sizes[0] if sizes else 8.0, config)
-        for number, option in table.items()
+        number: _condition(number, option, sizes[0], config) for number, option in table.items()
     }
     return tuple(replace(made[option], ipd_px=ipd) for ipd in sizes for option in chosen)
 
