@@ -274,6 +274,8 @@ def _entry(path: Path, line: int, values: Mapping[str, str], pictures: bool) -> 
     further = {name: text for name, text in values.items() if name and name not in _COLUMNS}
     entry = Entry(**given, further=further)
     for name in filter(None, (entry.file, entry.linear_file)):
+        if "\0" in name:
+            raise InputError(f"{path}, line {line}: {name!r} is no name of a file; mend it")
         inside = (path.parent / name).resolve()
         if not inside.is_relative_to(path.parent.resolve()):
             raise InputError(f"{path}, line {line}: {name} lies outside {path.parent}")
