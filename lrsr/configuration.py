@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 _Schema = TypeVar("_Schema")
+_Value = TypeVar("_Value", str, int, float)
 
 LARGEST_SEED = 2**32 - 1
 _COUNTS = {2: "two", 3: "three"}
@@ -168,6 +169,20 @@ def numbered(config: "DictConfig", key: str) -> dict[int, dict[str, Any]]:
 def words(config: "DictConfig", key: str) -> list[str]:
     """Read a list of words; one word is a list of one."""
     return [as_word(value, key) for value in _listed(config[key])]
+
+
+def once(values: list[_Value], key: str) -> list[_Value]:
+    """Return values of which none is there twice, such as the rows of a table.
+
+    Raises:
+        InputError: One is.
+
+    Example:
+        >>> once([8.0, 11.0], "ipd_px")
+        [8.0, 11.0]
+    """
+    require(len({*values}) == len(values), key, values, "each of them once")
+    return values
 
 
 def require(holds: bool, key: str, value: object, wanted: str) -> None:

@@ -29,6 +29,9 @@ def _mendable(error: Exception, words: Sequence[str]) -> str | None:
     from omegaconf import errors
 
     for cause in _behind(error, contexts=False):
+        if isinstance(cause, UnicodeEncodeError) and cause.reason.startswith("surrogates"):
+            name = cause.object[max(0, cause.start - 40) : cause.end + 40]
+            return f"a name holds bytes that are no letters, in {name!r}: rename the file"
         if isinstance(cause, InputError):
             return _one_line(cause)
         if isinstance(cause, OSError) and (cause.filename or cause.errno == errno.ENOENT):

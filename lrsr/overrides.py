@@ -20,7 +20,7 @@ from lrsr.errors import InputError
 from lrsr.paths import user_path
 
 _OPEN = {
-    *("sr", "fusion", "conditions", "axes"),
+    *("sr", "fusion", "conditions", "axes", "generic"),
     *("trainer", "callbacks", "logger", "optimizer", "scheduler"),
 }
 """Sections that take parts under any name."""
@@ -222,10 +222,26 @@ class Overrides:
             if part not in fields and not part.startswith("_"):
                 hint = f"{_meant(part, fields)}; {'.'.join(outer)} has {', '.join(fields)}"
                 raise InputError(f"no setting {key!r}{hint}")
-        elif not isinstance(node, dict | None) or not (_OPEN & {*outer} or _is_built(above)):
-            known = [*_keys(base), *(folder.name for folder in self.folders[0].glob("*/"))]
-            hint = _meant(key, known) or f": lrsr {self.command} --help lists them"
+        elif not isinstance(node, dict | None) or not (_OPEN & {*outer} or _is_built(above[1:])):
+            section = ".".join(outer) if isinstance(node, dict) else ""
+            known = [name for name in (*_keys(base), *self._groups()) if name != section]
+            hint = _meant(key, known)
+            if section and not hint:
+                hint = f"; {section} has {', '.join(sorted(map(str, node)))}"
+            if parts[0] not in base and parts[0] in self._options("experiment") and parts[1:]:
+                hint = f": it is one of experiment={parts[0]}"
+            hint = hint or f": lrsr {self.command} --help lists them"
             raise InputError(f"no setting {key!r}{hint}")
+
+    def _groups(self) -> list[str]:
+        """Name the groups that the command chooses from, but those of ``common.yaml``."""
+        from omegaconf import OmegaConf
+
+        main: Any = OmegaConf.load(self.folders[0] / f"{self.command}.yaml")
+        return [
+            _EXTRA,
+            *(str(name) for one in main.defaults if not isinstance(one, str) for name in one),
+        ]
 
 
 def fields_of(target: str) -> set[str] | None:
@@ -317,6 +333,6 @@ def _meant(word: str, known: Sequence[str]) -> str:
     """Return ": did you mean ...?", or nothing where nothing is near."""
     inner = [key for key in known if key.rpartition(".")[2] == word]
     last = {key.rpartition(".")[2]: key for key in reversed(known)}
-    near = inner or get_close_matches(word, known, n=1)
-    near = near or [last[name] for name in get_close_matches(word.rpartition(".")[2], last, n=1)]
+    near = inner or get_close_matches(word, known, 1, 0.7 if "." in word else 0.6)
+    near = near or [last[name] for name in get_close_matches(word.rpartition(".")[2], last, 1, 0.8)]
     return f": did you mean {' or '.join(near)}?" if near else ""

@@ -14,6 +14,7 @@ from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
 from lrsr.errors import ImageContractError
@@ -115,6 +116,7 @@ def encode_face(srgb: ArrayLike) -> str:
 
 def png_bytes(figure: Figure) -> bytes:
     """Return a figure as a PNG; the same figure gives the same bytes."""
+    _take_names_literally(figure)
     buffer = io.BytesIO()
     FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})
     return buffer.getvalue()
@@ -132,6 +134,7 @@ def svg_uri(figure: Figure) -> str:
 
     The same figure gives the same bytes.
     """
+    _take_names_literally(figure)
     buffer = io.BytesIO()
     with rc_context(
         {"svg.hashsalt": "lrsr", "svg.fonttype": "path", "path.simplify_threshold": 0.2}
@@ -140,6 +143,16 @@ def svg_uri(figure: Figure) -> str:
     svg = re.sub(r">\s+<", "><", buffer.getvalue().decode())
     slim = re.sub(r'(?<= d=")[^"CQ]*(?=")', lambda outline: _thinned(outline[0]), svg)
     return _data_uri("svg+xml", slim.encode())
+
+
+def _take_names_literally(figure: Figure) -> None:
+    """Let a $ in somebody's name be a $: formulas are in labels of logarithmic axes alone."""
+    for text in figure.findobj(Text):
+        text.set_parse_math(False)
+    axes_of = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+    for axis in axes_of:
+        for tick in [*axis.majorTicks, *axis.minorTicks] if axis.get_scale() == "log" else ():
+            tick.label1.set_parse_math(True)
 
 
 def _thinned(outline: str) -> str:

@@ -1,6 +1,8 @@
 """What does a picture show between its pixels? Keys' cubic, as everywhere here (a = -0.5)."""
 
+import numpy as np
 import torch
+from scipy.sparse import csr_array
 from torch.nn import functional as F
 
 _FEW, _MANY = 8, 64
@@ -48,6 +50,30 @@ def sample_bicubic(images: torch.Tensor, points_px: torch.Tensor) -> torch.Tenso
         return _sample_alike(images, points_px[0])
     parts = zip(torch.split(images, _FEW), torch.split(points_px, _FEW), strict=True)
     return torch.cat([_sample_each(*part) for part in parts])
+
+
+def bicubic_matrix(points_px: torch.Tensor, height: int, width: int) -> csr_array:
+    """Return what :func:`sample_bicubic` does to one picture, to do it, or undo it, many times.
+
+    Args:
+        points_px: ``(P, 2)`` (x, y).
+        height: Of the picture.
+        width: The same.
+
+    Returns:
+        ``(P, height * width)``, which times the picture's pixels, a row each, is what is seen.
+
+    Example:
+        >>> ramp = torch.arange(8.0).repeat(8)
+        >>> (bicubic_matrix(torch.tensor([[3.25, 4.0]]), 8, 8) @ ramp.numpy()).tolist()
+        [3.25]
+    """
+    index, weights = _surroundings(points_px, height, width)
+    each = np.arange(len(index) + 1) * index.shape[1]
+    parts = (weights.flatten().numpy(), index.flatten().numpy(), each)
+    matrix = csr_array(parts, shape=(len(index), height * width))
+    matrix.sum_duplicates()
+    return matrix
 
 
 def _sample_alike(images: torch.Tensor, points_px: torch.Tensor) -> torch.Tensor:

@@ -53,6 +53,16 @@ def test_torchs_second_error_does_not_hide_the_full_disk() -> None:
     assert explain(error, [])[0] == 2
 
 
+def test_a_name_that_is_no_utf_8_is_told_and_not_the_file_that_it_was_for() -> None:
+    name = os.fsdecode(b"bad\xff.png")
+    with pytest.raises(UnicodeEncodeError) as raised:
+        ("line\n" * 1000 + name + "line\n" * 1000).encode()
+    status, line = explain(raised.value, [])
+    assert status == 2
+    assert r"bad\udcff.png" in line
+    assert len(line) < 300
+
+
 @pytest.mark.parametrize(
     "error", [OSError("nothing of a file"), ConnectionError(), RuntimeError("x"), TypeError("x")]
 )

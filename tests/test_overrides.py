@@ -61,6 +61,32 @@ def test_a_misspelt_section_is_refused_without_loading_what_the_experiment_is_ma
         mended("idnetities.count=3", command="eval")
 
 
+@pytest.mark.parametrize(
+    ("command", "word", "says"),
+    [
+        ("compare", "landmark=own", "did you mean recognition.landmarks?"),
+        ("compare", "probe=x", "'probe': lrsr compare --help lists them"),  # not pose
+        ("compare", "identities.count=3", "lrsr compare --help lists them"),  # it knows nobody
+        ("upscale", "scale=2", "lrsr upscale --help lists them"),  # not paths.cache
+        ("eval", "experimant=own", "did you mean experiment?"),
+        ("eval", "case.images=x", "it is one of experiment=case"),
+        ("compare", "cut.x=3", "'cut.x'; cut has ipds, longest_px"),
+    ],
+)
+def test_nothing_far_fetched_is_offered(command: str, word: str, says: str) -> None:
+    with pytest.raises(InputError) as refused:
+        mended(word, command=command)
+    assert str(refused.value).endswith(says)
+
+
+@pytest.mark.parametrize(
+    "word", ["recognition.recogniser=dlib", "probes.folders=x", "gallery.pse=left", "paths.rum=x"]
+)
+def test_a_section_of_an_experiment_takes_no_more_than_it_has(word: str) -> None:
+    with pytest.raises(InputError, match="did you mean"):
+        mended(word, command="eval")
+
+
 def test_a_comma_parts_values_in_a_multirun_only() -> None:
     assert mended("out=a b,ü", sweep=True) == ['++out="a b","ü"']
     assert mended('out="a,b",c', sweep=True) == ['++out="a,b","c"']

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from lrsr.errors import ImageContractError
-from lrsr.pages import encode_face, svg_uri
+from lrsr.pages import encode_face, png_bytes, svg_uri
 
 
 def decode(uri: str) -> np.ndarray:
@@ -97,3 +97,18 @@ def test_a_filled_shape_stays_closed_and_whole() -> None:
     around = corners(drawn)
     assert farthest(np.column_stack((x, y)), np.vstack((around, around[:1]))) < 0.25
     assert len(around) < 200
+
+
+@pytest.mark.parametrize("name", ["$a_{$", r"$\foo$", "$5 or $6"])
+def test_a_dollar_in_a_name_is_a_dollar(name: str) -> None:
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot([1, 1000], [0, 1], label=name)
+    axes.set(xscale="log", title=name, ylabel=name)
+    axes.set_yticks([0, 1], [name, name])
+    axes.legend(title=name)
+    assert png_bytes(figure)[:4] == b"\x89PNG"
+    assert svg_uri(figure).startswith("data:image/svg+xml")
+    label = axes.xaxis.majorTicks[0].label1
+    assert label.get_text().startswith("$")  # a power of ten
+    assert label.get_parse_math()

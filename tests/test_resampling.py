@@ -5,7 +5,7 @@ import torch
 
 from lrsr.camera.image_plane import pixel_grid
 from lrsr.images import resize_bicubic
-from lrsr.resampling import _cubic_weights, sample_bicubic
+from lrsr.resampling import _cubic_weights, bicubic_matrix, sample_bicubic
 
 RANDOM = torch.Generator().manual_seed(0)
 
@@ -52,6 +52,14 @@ def test_places_alike_or_given_to_each_show_the_same(channels: int) -> None:
     each = sample_bicubic(images, places.expand(70, -1, -1, -1, -1))
     assert alike.shape == (70, 3, 3, 2)
     assert torch.allclose(alike, each, atol=1e-6)
+
+
+def test_a_matrix_sees_the_same_beyond_the_border_too() -> None:
+    image = torch.rand(1, 2, 4, 5, generator=RANDOM)
+    places = torch.rand(30, 2, generator=RANDOM) * 8 - 2
+    seen = bicubic_matrix(places, 4, 5) @ image[0].flatten(1).T.numpy()
+    wanted = sample_bicubic(image, places.reshape(1, 1, 1, 30, 2))[0, :, 0]
+    assert torch.allclose(torch.from_numpy(seen).T, wanted, atol=1e-6)
 
 
 def test_one_pixel_is_seen_everywhere() -> None:

@@ -237,7 +237,7 @@ def _measure(
         up = np.array([1.0, -1.0]) / view.px_per_mm
         found.append(points.points_px * up)
         projected.append(view.project(vertices) * up)
-        poses.append(view.pose)
+        poses.append(view.scene.pose)
     turned = np.array([abs(pose.yaw_deg) > _TURNED_DEG for pose in poses])
     weights = np.where(turned, _TURNED_WEIGHT, 1.0)
     nearest = _nearest_vertices(np.array(found), np.array(projected), weights)

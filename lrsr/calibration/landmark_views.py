@@ -21,8 +21,8 @@ from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.recipe import Recipe
 from lrsr.pictures.render import take_pictures
 from lrsr.presets import preset
-from lrsr.rendering.geometry import place_camera
 from lrsr.rendering.pose import Pose
+from lrsr.rendering.renderer import viewpoint_of
 from lrsr.rendering.scene import Film, Quality, Scene
 from lrsr.rendering.standpoint import Standpoint
 
@@ -46,21 +46,18 @@ class View:
         image: ``(3, H, W)`` float32, srgb, [0, 1].
         landmarks_px: ``(5, 2)`` true places of the five landmarks.
         head: Who it shows, with the expression; its textures are small.
-        pose: How the head is held.
-        camera_m: From the pupils to the camera.
+        scene: How the head is held, and where the camera stands.
     """
 
     image: NDArray[np.float32]
     landmarks_px: NDArray[np.float64]
     head: Head
-    pose: Pose
-    camera_m: float
+    scene: Scene
 
     def project(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return where points of the head frame ``(N, 3)`` fall on the picture: ``(N, 2)``, px."""
-        offset = self.pose.frame_offset_mm()
-        camera = place_camera(self.head.pupils, _IPD_PX, offset_mm=offset, camera_m=self.camera_m)
-        return camera.project(self.pose.turn(points_mm))
+        camera = viewpoint_of(self.head, self.scene, Film(_IPD_PX))
+        return camera.project(self.scene.pose.turn(points_mm))
 
     @property
     def px_per_mm(self) -> float:
@@ -114,6 +111,5 @@ def take_views(recipes: Sequence[Recipe], cache: RenderCache) -> Iterator[View]:
             picture.image.numpy(),
             cast("torch.Tensor", picture.landmarks_px).numpy().astype(np.float64),
             head,
-            recipe.scene.pose,
-            cast("float", recipe.scene.standpoint.camera_m),
+            recipe.scene,
         )

@@ -16,6 +16,7 @@ from lrsr.configuration import (
     as_word,
     numbered,
     numbers,
+    once,
     require,
     whole_numbers,
     words,
@@ -136,13 +137,14 @@ def read_conditions(config: "DictConfig") -> tuple[Condition, ...]:
     require(not (axes and listed), "axes", ", ".join(axes), wish)
     table = _crossed(axes, words(config, "against"))
     table |= {number: _Option(settings, {}, None) for number, settings in listed.items()}
-    sizes = numbers(config, "ipd_px")
-    chosen = [*table] if config.options is None else whole_numbers(config, "options")
+    sizes = once(numbers(config, "ipd_px"), "ipd_px")
+    require(bool(sizes), "ipd_px", sizes, "at least one size")
+    asked = [*table] if config.options is None else whole_numbers(config, "options")
+    chosen = once(asked, "options")
     for option in chosen:
         require(option in table, "options", option, f"one of {sorted(table)}")
     made = {  # those that are not chosen are to be right, too
-        number: _condition(number, option, sizes[0] if sizes else 8.0, config)
-        for number, option in table.items()
+        number: _condition(number, option, sizes[0], config) for number, option in table.items()
     }
     found = []
     for before, ipd in zip([None, *sizes], sizes, strict=False):
@@ -206,14 +208,16 @@ def _crossed(axes: Mapping[str, list[str]], against: list[str]) -> dict[int, _Op
     """Number all combinations; what is tested against has the first values of some axes.
 
     Raises:
-        InputError: ``against`` names no axis.
+        InputError: ``against`` names no axis, or one with a single value while others vary.
     """
+    several = [name for name, values in axes.items() if len(values) > 1]
     for axis in against:
         wish = f"some of the axes, {', '.join(axes)}" if axes else "[], as there are no axes"
         require(axis in axes, "against", axis, wish)
+        wish = "two or more, to be compared; or against=[]"
+        require(not several or bool({*against} & {*several}), f"axes.{axis}", axes[axis], wish)
     if not axes:
         return {}
-    several = [name for name, values in axes.items() if len(values) > 1]
     rows = [dict(zip(axes, names, strict=True)) for names in itertools.product(*axes.values())]
     firsts = {axis: axes[axis][0] for axis in against}
     found = {}

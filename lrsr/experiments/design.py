@@ -11,6 +11,7 @@ from lrsr.configuration import (
     as_word,
     flag,
     number,
+    once,
     require,
     seed_of,
     whole_number,
@@ -24,7 +25,7 @@ from lrsr.paths import path_if_any
 from lrsr.pictures.burst import STILL, Burst
 from lrsr.pictures.sitting import Sitting, read_burst, read_gallery, read_people, read_quality
 from lrsr.pictures.source import read_photographs
-from lrsr.presets import build, preset, presets
+from lrsr.presets import build, node_of, presets
 from lrsr.recognition.settings import RecognitionSettings
 from lrsr.rendering.scene import Quality
 from lrsr.sr.upscaler import Upscaler
@@ -218,12 +219,12 @@ def read_upscalers(config: "DictConfig") -> dict[str, Upscaler]:
 
     as_mapping(config.sr, "sr")
     own: Any = OmegaConf.to_container(config.sr, resolve=True)
-    methods = words(config, "methods")
+    methods = once(words(config, "methods"), "methods")
     for name, settings in own.items():
         as_mapping(settings, f"sr.{name}")
         require(name in methods, "methods", methods, f"{name} among them, as sr.{name} is given")
     return {
-        name: preset("sr", name, **own.get(name, {}))
+        name: build(node_of("sr", name, own.get(name, {})), f"sr.{name}")
         if name not in own or name in presets("sr")
         else build({"_target_": "lrsr.sr.load_upscaler", "label": name, **own[name]}, f"sr.{name}")
         for name in methods

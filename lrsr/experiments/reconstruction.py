@@ -59,8 +59,11 @@ class Reconstructing:
         Raises:
             InputError: A value is wrong; the message names the setting and the remedy.
         """
+        images = user_path(config.images, "images")
+        wish = "another folder than that of the photographs"
+        require(path_if_any(config.out, "out") != images, "out", config.out, wish)
         return cls(
-            images=user_path(config.images, "images"),
+            images=images,
             intake=Intake.from_config(config),
             ages=path_if_any(config.ages, "ages"),
         )
@@ -81,7 +84,7 @@ class Reconstructing:
         Raises:
             InputError: There are no pictures.
         """
-        sources = self._sources()
+        sources = self._sources(folder)
         young = self._too_young(sources)
         looked: list[Told] = []
         rows: list[Path] = []
@@ -97,8 +100,10 @@ class Reconstructing:
         logger.info("%s", counted(looked))
         return folder
 
-    def _sources(self) -> dict[Path, str]:
+    def _sources(self, out: Path) -> dict[Path, str]:
         """Return the pictures, and who is on each: as any folder of photographs says it.
+
+        What lies in ``out`` was made of them.
 
         Raises:
             InputError: There are none, or the manifest cannot be used.
@@ -114,6 +119,7 @@ class Reconstructing:
             if file.is_file()
             and file.suffix.lower() in SUFFIXES
             and not any(part.startswith(".") for part in file.relative_to(root).parts)
+            and not file.is_relative_to(out)
         ]
         kinds = ", ".join(suffix[1:] for suffix in SUFFIXES)
         wish = f"a folder with pictures in it ({kinds})"

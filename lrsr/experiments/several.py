@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from lrsr.configuration import as_mapping, as_word, require, whole_numbers, words
+from lrsr.configuration import as_mapping, as_word, once, require, whole_numbers, words
 from lrsr.images import scale_points
 from lrsr.pictures.picture import Picture, stack, stack_bursts
 from lrsr.presets import build, node_of, value_of
@@ -232,7 +232,8 @@ def read_several(config: "DictConfig") -> dict[str, Upscaler | Several]:
 
     as_mapping(config.fusion, "fusion")
     changes: Any = OmegaConf.to_container(config.fusion, resolve=True)
-    names, frames = words(config, "fusions"), whole_numbers(config, "frames")
+    names = once(words(config, "fusions"), "fusions")
+    frames = once(whole_numbers(config, "frames"), "frames")
     for name, settings in changes.items():
         as_mapping(settings, f"fusion.{name}")
         require(name in names, "fusions", names, f"{name} among them, as fusion.{name} is given")

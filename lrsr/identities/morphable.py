@@ -16,6 +16,7 @@ import numpy as np
 from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
+from lrsr.configuration import as_whole
 from lrsr.identities.appearance import SkinMaps, SkinPainter, sample_appearance
 from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
 from lrsr.identities.day.changes import change_person
@@ -97,9 +98,10 @@ def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[
         ``gate``, what was drawn again and why (see :func:`lrsr.identities.gate.gate.record`).
 
     Raises:
-        ValueError: The seed is negative.
+        InputError: The seed is no whole number.
+        ValueError: It is negative.
     """
-    return _draw_person(seed, population)[0]
+    return _draw_person(as_whole(seed, "seed"), population)[0]
 
 
 def _draw_person(seed: int, population: Population) -> tuple[dict[str, Any], RestingFace]:
@@ -272,8 +274,10 @@ def sample_head(
         the same for all seeds.
 
     Raises:
+        InputError: A number is no whole number.
         ValueError: The seed is negative or the texture smaller than 64.
     """
+    seed, texture_size = as_whole(seed, "seed"), as_whole(texture_size, "texture_size")
     parameters, face = _draw_person(seed, population)
     if not another_day.is_same:
         parameters, face = _another_day(parameters, face, another_day)

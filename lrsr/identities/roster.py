@@ -273,8 +273,8 @@ def _read_roster(path: Path) -> Roster:
             another recipe of heads; the message names the file and the remedy.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        content = json.loads(path.read_bytes())  # of any Unicode, with a mark or without
+    except (OSError, ValueError, RecursionError) as error:
         reason = getattr(error, "strerror", None) or "no JSON"
         raise InputError(f"cannot read {path}: {reason}; lrsr identities makes one") from error
     if not isinstance(content, dict) or "sha256" not in content:

@@ -198,8 +198,7 @@ def read_picture(folder: Path, entry: Entry) -> Picture:
 def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
     """Read and check ``folder/manifest.csv``, as any program may have saved it.
 
-    A mark of the byte order, UTF-16 behind one, other ends of lines, semicolons or tabs between
-    columns, another order of columns, further ones and blank lines are all fine.
+    Another order of columns, further ones and blank lines are fine; see :func:`open_table`.
 
     Args:
         folder: Holds the manifest and, at or below it, the pictures.
@@ -211,22 +210,34 @@ def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
             file and line.
     """
     path = folder / MANIFEST
+    reader = open_table(path, "lrsr render makes one")
+    try:
+        return list(_entries(path, reader, pictures))
+    except csv.Error as error:
+        raise InputError(f"{path}, line {reader.line_num}: {error}; make it again") from error
+
+
+def open_table(path: Path, remedy: str) -> Any:
+    """Return what ``csv.reader`` returns of a table, as any program may have saved it.
+
+    A mark of the byte order, UTF-16 behind one, other ends of lines, and semicolons or tabs between
+    columns are all fine.
+
+    Raises:
+        InputError: It cannot be read: the message ends in ``remedy``, or it is no UTF-8.
+    """
     try:
         content = path.read_bytes()
         text = content.decode("utf-16" if content.startswith(_UTF_16) else "utf-8-sig")
     except OSError as error:
         reason = error.strerror or error
-        raise InputError(f"cannot read {path}: {reason}; lrsr render makes one") from error
+        raise InputError(f"cannot read {path}: {reason}; {remedy}") from error
     except UnicodeDecodeError as error:
         raise InputError(f"cannot read {path}: {error}; save it as UTF-8") from error
     text = text.lstrip("\ufeff")  # two programs may have put a mark each
     head = text.partition("\n")[0]
     separator = max(",;\t", key=head.count)
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
-    try:
-        return list(_entries(path, reader, pictures))
-    except csv.Error as error:
-        raise InputError(f"{path}, line {reader.line_num}: {error}; make it again") from error
+    return csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
 
 
 def _entries(path: Path, reader: Any, pictures: bool) -> Iterator[Entry]:
@@ -274,6 +285,8 @@ def _entry(path: Path, line: int, values: Mapping[str, str], pictures: bool) -> 
     further = {name: text for name, text in values.items() if name and name not in _COLUMNS}
     entry = Entry(**given, further=further)
     for name in filter(None, (entry.file, entry.linear_file)):
+        if "\0" in name:
+            raise InputError(f"{path}, line {line}: {name!r} is no name of a file; mend it")
         inside = (path.parent / name).resolve()
         if not inside.is_relative_to(path.parent.resolve()):
             raise InputError(f"{path}, line {line}: {name} lies outside {path.parent}")

@@ -47,14 +47,27 @@ def read_file(path: Path) -> bytes:
     """Read the bytes of a picture's file.
 
     Raises:
-        InputError: There is no such file, or it cannot be read.
+        InputError: There is no such file, or it cannot be read or named.
     """
+    check_name(path)
     try:
         return path.read_bytes()
     except OSError as error:
         raise InputError(
             f"cannot read {path}: {error.strerror or error}; check the path and its rights"
         ) from error
+
+
+def check_name(path: Path) -> None:
+    """Refuse a name that no table, record or page could say.
+
+    Raises:
+        InputError: It holds bytes that are no UTF-8.
+    """
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        raise InputError(f"{str(path)!r}: a name of other bytes than UTF-8; rename it") from error
 
 
 def _to_srgb(pixels: NDArray[np.uint8 | np.uint16]) -> torch.Tensor:

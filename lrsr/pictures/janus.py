@@ -15,7 +15,7 @@ import numpy as np
 
 from lrsr.errors import InputError
 from lrsr.evaluation.arranged import Templates
-from lrsr.pictures.folder import Entry, read_picture
+from lrsr.pictures.folder import Entry, open_table, read_picture
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.source import Photographs
 
@@ -24,6 +24,8 @@ _SYNONYMS = {"file": "filename", "frame_num": "frame", "video_filename": "video"
 _BOX = ("face_x", "face_y", "face_width", "face_height")
 _MEDIA = ("media_id", "sighting_id")
 """What tells which rows of a template are of one medium; the first that is there."""
+
+_REMEDY = "give a CSV file of the set"
 
 _Box = tuple[float, float, float, float]
 _Face = tuple[Entry, _Box | None]
@@ -139,19 +141,21 @@ def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
     """Yield the lines of a list, with their numbers, by small names of columns.
 
     Raises:
-        InputError: It cannot be read.
+        InputError: It cannot be read, or two of its columns have one name.
     """
+    reader = open_table(path, _REMEDY)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, strict=True)
-            names = [name.strip().lower() for name in next(reader, [])]
-            names = [_SYNONYMS.get(name, name) for name in names]
-            for cells in reader:
-                if any(cells):
-                    values = (cell.strip() for cell in cells)
-                    yield reader.line_num, dict(zip(names, values, strict=False))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"cannot read {path}: {error}; give a CSV file of the set") from error
+        names = [name.strip().lower() for name in next(reader, [])]
+        names = [_SYNONYMS.get(name, name) for name in names]
+        for name in filter(None, names):
+            if names.count(name) > 1:
+                raise InputError(f"{path}, line 1: {names.count(name)} columns {name}; rename one")
+        for cells in reader:
+            if any(cells):
+                values = (cell.strip() for cell in cells)
+                yield reader.line_num, dict(zip(names, values, strict=False))
+    except csv.Error as error:
+        raise InputError(f"cannot read {path}: {error}; {_REMEDY}") from error
 
 
 def _needed(row: Mapping[str, str], name: str, where: str) -> str:

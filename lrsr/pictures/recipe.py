@@ -101,7 +101,7 @@ class Recipe:
             **({} if day.is_same else {"another_day": day.record()}),
             **self._seen(),
             "film": self.film.record(),
-            "quality": {**asdict(self.quality), "skin": self.quality.skin.plain()},
+            "quality": self.quality.plain(),
             "seed": self.seed,
             "versions": dict(versions),
         }

@@ -21,6 +21,7 @@ from PIL import ExifTags, Image, ImageOps, TiffImagePlugin, UnidentifiedImageErr
 
 from lrsr.errors import InputError
 from lrsr.identities.photographs.picture_file import decode
+from lrsr.pictures.image_files import check_name
 
 #: Of a picture: ``(H, W, C)``.
 Pixels = NDArray[np.uint8 | np.uint16]
@@ -94,8 +95,10 @@ def read_header(content: bytes | Path, path: Path) -> Header:
         path: For messages.
 
     Raises:
-        InputError: It cannot be read, is no picture, several in one file, or is made for printing.
+        InputError: It cannot be read or named, is no picture, several in one file, or is made for
+            printing.
     """
+    check_name(path)
     with _opened(content, path) as image:
         frames = getattr(image, "n_frames", 1)
         if frames > 1 and image.format != "MPO":  # whose others are previews

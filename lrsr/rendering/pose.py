@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.configuration import settle
+from lrsr.configuration import require, settle
 
 PIVOT_MM = np.array([0.0, -60.0, -90.0])
 """About which point a head turns: the joint of skull and neck, head frame, mm (estimated)."""
+
+_ANGLE = "-180 to 180 degrees"
 
 FOLLOW = 0.5
 """What share of the pupils' way in a turn the frame follows, so that crown and chin stay inside."""
@@ -31,12 +33,14 @@ class Pose:
     roll_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse angles that are no numbers.
+        """Refuse what is no angle.
 
         Raises:
-            InputError: An angle is NaN, infinite or no number.
+            InputError: An angle is no number from -180 to 180.
         """
         settle(self, "pose")
+        for name in ("yaw_deg", "pitch_deg", "roll_deg"):
+            require(abs(getattr(self, name)) <= 180, f"pose.{name}", getattr(self, name), _ANGLE)
 
     def rotation(self) -> NDArray[np.float64]:
         """Return the ``(3, 3)`` matrix that turns head-frame directions into the world frame.

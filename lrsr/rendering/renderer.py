@@ -28,8 +28,8 @@ RENDERER_VERSION = "3"
 SPECTRA_VERSION = "1"
 """Changes whenever it would do so only in variants that trace wavelengths."""
 
-_MIN_SAMPLES = 16
-"""No pixel has fewer samples, however fine its film."""
+_FEWEST_ON_FINE = 16
+"""No pixel of a fine film has fewer samples, unless the ×1 film is to have fewer."""
 
 _ROULETTE_DEPTH = 2
 """From which bounce on dim paths may end by chance: a third less time, 7 % more noise."""
@@ -65,7 +65,7 @@ class Renderer:
             scene: Pose, lighting, lens and standpoint. A lens is focused on the eyes, unless it
                 says otherwise.
             film: Bands need a variant that traces wavelengths.
-            samples_per_pixel: Of the ×1 film; a finer one has 1/scale² of them, at least 16.
+            samples_per_pixel: Of the ×1 film; a finer one has 1/scale² of them, but 16 or as many.
             seed: Of the sampler, >= 0.
             camera_m: Distance of the camera, m; None: what the standpoint says, or where the
                 reference camera must stand.
@@ -90,7 +90,7 @@ class Renderer:
             viewpoint,
             pose,
             scale=film.scale,
-            samples=max(round(samples_per_pixel / film.scale**2), _MIN_SAMPLES),
+            samples=_samples(samples_per_pixel, film.scale),
             seed=seed,
             lens=scene.lens,
             focus_mm=float(viewpoint.depth_mm(pose.turn(head.pupils)).mean()),
@@ -155,6 +155,11 @@ def viewpoint_of(head: Head, scene: Scene, film: Film, camera_m: float | None = 
         )
     except ValueError as error:
         raise InputError(f"standpoint {standpoint.name!r}: {error}; give another") from error
+
+
+def _samples(samples_per_pixel: int, scale: int) -> int:
+    """Return how many each pixel of a film has."""
+    return max(round(samples_per_pixel / scale**2), min(samples_per_pixel, _FEWEST_ON_FINE))
 
 
 def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:

@@ -126,6 +126,14 @@ class Quality:
             value = getattr(self, name)
             require(low <= value <= high, f"rendering.{name}", value, f"{low} to {high}")
 
+    def plain(self) -> dict[str, Any]:
+        """Return everything that changes the pixels in plain values.
+
+        Fewer than 16 samples are marked, for what older caches keep of them has 16.
+        """
+        few = {"few": True} if self.samples_per_pixel < 16 else {}
+        return {**asdict(self), "skin": self.skin.plain(), **few}
+
     def at(self, ipd_px: float) -> "Quality":
         """Return the quality of a film of that size, where this one is that of 8 px.
 

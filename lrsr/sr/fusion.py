@@ -3,13 +3,13 @@
 from abc import ABC, abstractmethod
 from typing import Protocol
 
+import numpy as np
 import torch
-from torch.nn import functional as F
 
 from lrsr.configuration import as_number, as_whole, require
 from lrsr.errors import ImageContractError
 from lrsr.images import check_images, check_srgb, scale_points
-from lrsr.resampling import sample_bicubic
+from lrsr.resampling import bicubic_matrix, sample_bicubic
 from lrsr.sr.registration import Correlation, Registration
 from lrsr.sr.tiles import check_size
 from lrsr.sr.weights import LARGEST_SCALE
@@ -177,49 +177,65 @@ class ShiftAndAdd(Registering):
 
     def _fuse(self, frames: torch.Tensor, motions: torch.Tensor) -> torch.Tensor:
         picture = lay_over(frames, motions, self.scale).nanquantile(0.5, dim=1)
-        height, width = frames.shape[-2:]
         there = motions.isfinite().all(dim=(-2, -1))
-        places = scale_points(pixels_through(_inverse(motions), (height, width)), self.scale)
-        share = there / there.sum(dim=1, keepdim=True)
-        for number in range(self.iterations):
-            step = self.step * (1 - number / self.iterations)
-            picture = picture - step * self._slope(picture, frames, places, share)
-        return picture
+        places = pixels_through(_inverse(motions), (frames.shape[-2], frames.shape[-1]))
+        share = self.scale**2 * there / there.sum(dim=1, keepdim=True)
+        fused = [
+            self._descend(*burst)
+            for burst in zip(picture, frames, scale_points(places, self.scale), share, strict=True)
+        ]
+        return torch.stack(fused)
 
-    @torch.enable_grad()
-    def _slope(
+    def _descend(
         self,
         picture: torch.Tensor,
         frames: torch.Tensor,
         places: torch.Tensor,
         share: torch.Tensor,
     ) -> torch.Tensor:
-        """Return the gradient; autograd transposes D, H, F and S exactly.
+        """Go down from a picture ``(3, h, w)``.
 
-        A frame pixel spreads over scale² pixels of the picture: times that, both terms move a pixel
-        by about 1.
+        Both terms are sums of absolute values, and their slopes the signs of what is added up. A
+        frame pixel spreads over scale² pixels of the picture: times that, which ``share`` holds,
+        both terms move a pixel by about 1.
+
+        Args:
+            picture: Where to begin.
+            frames: ``(N, 3, H, W)``.
+            places: ``(N, H, W, 2)`` where the pixels of each lie in the picture.
+            share: ``(N,)`` of each frame.
         """
-        given = picture.clone().requires_grad_()
-        blurred = _blur(given, self.blur_px * self.scale)
-        several = blurred.repeat_interleave(frames.shape[1], dim=0)
-        seen = sample_bicubic(several, places.flatten(0, 1)[:, None]).reshape(frames.shape)
-        misses = ((seen - frames).abs() * share[..., None, None, None]).sum()
-        total = self.scale**2 * misses + self.weight * self._variation(given)
-        (slope,) = torch.autograd.grad(total, given)
-        return slope
+        height, width = picture.shape[-2:]
+        reaches = share > 0
+        look = bicubic_matrix(places[reaches].reshape(-1, 2), height, width)
+        shown = frames[reaches].movedim(1, -1)
+        seen = shown.reshape(-1, 3).numpy()
+        pulls = share[reaches, None, None].expand(shown.shape[:-1]).reshape(-1, 1).numpy()
+        pull = look.multiply(pulls).T.tocsr()
+        down, right = (_blur_matrix(size, self.blur_px * self.scale) for size in (height, width))
+        for number in range(self.iterations):
+            blurred = (down @ picture @ right.T).movedim(0, -1).reshape(-1, 3).numpy()
+            found = torch.from_numpy(pull @ np.sign(look @ blurred - seen))
+            found = found.reshape(height, width, 3).movedim(-1, 0)
+            slope = down.T @ found @ right + self.weight * self._variation(picture)
+            picture = picture - self.step * (1 - number / self.iterations) * slope
+        return picture
 
     def _variation(self, picture: torch.Tensor) -> torch.Tensor:
+        """Return the slope of the bilateral total variation."""
         height, width = picture.shape[-2:]
-        total = picture.new_zeros(())
+        slope = torch.zeros_like(picture)
         for right in range(-self.reach, self.reach + 1):
             for down in range(self.reach + 1):
                 if right + down < 0 or right == down == 0:
                     continue
-                here = picture[..., down:, max(0, right) : width + min(0, right)]
-                there = picture[..., : height - down, max(0, -right) : width - max(0, right)]
-                distance = abs(right) + down
-                total = total + self.decay**distance * (here - there).abs().sum()
-        return total
+                here = ..., slice(down, None), slice(max(0, right), width + min(0, right))
+                there = ..., slice(height - down), slice(max(0, -right), width - max(0, right))
+                signs = (picture[here] - picture[there]).sign_()
+                signs *= self.decay ** (abs(right) + down)
+                slope[here] += signs
+                slope[there] -= signs
+        return slope
 
     def describe(self) -> dict[str, object]:
         """Return all of its settings."""
@@ -271,11 +287,12 @@ def _inverse(motions: torch.Tensor) -> torch.Tensor:
     return torch.cat([turn, -turn @ known[..., 2:]], dim=-1)
 
 
-def _blur(images: torch.Tensor, stddev_px: float) -> torch.Tensor:
-    """Blur by a Gaussian, cut at four standard deviations; edges repeat."""
+def _blur_matrix(length: int, stddev_px: float) -> torch.Tensor:
+    """Return ``(length, length)``: a Gaussian, cut at four standard deviations; edges repeat."""
     reach = max(1, round(4 * stddev_px))
-    kernel = torch.exp(-0.5 * (torch.arange(-reach, reach + 1) / stddev_px) ** 2)
-    kernel = (kernel / kernel.sum()).to(images)
-    pad = F.pad(images.flatten(0, 1)[:, None], (reach,) * 4, mode="replicate")
-    across = F.conv2d(pad, kernel[None, None, None])
-    return F.conv2d(across, kernel[None, None, :, None]).reshape(images.shape)
+    steps = torch.arange(-reach, reach + 1)
+    kernel = torch.exp(-0.5 * (steps / stddev_px) ** 2)
+    rows = torch.arange(length)[:, None]
+    columns = (rows + steps).clamp(0, length - 1)
+    weights = (kernel / kernel.sum()).expand(length, -1)
+    return torch.zeros(length, length).scatter_add(1, columns, weights)

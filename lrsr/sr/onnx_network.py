@@ -9,11 +9,15 @@ import numpy as np
 import torch
 
 from lrsr.configuration import as_mapping
+from lrsr.errors import InputError
 from lrsr.onnx import check_graph, open_session, providers_on, run_session
 from lrsr.sr.contract import read_contract
 from lrsr.sr.tiles import run_in_tiles
 from lrsr.sr.upscaler import OfNetwork
 from lrsr.sr.weights import ENLARGED_BY
+
+_FARTHEST = 4.0
+"""No restored value lies so far from black, where white is 1: it overshoots by a tenth."""
 
 
 class Onnx(OfNetwork):
@@ -67,12 +71,21 @@ class Onnx(OfNetwork):
         return run_in_tiles(images, self._run, tile_px=(height, width), factor=factor)
 
     def _run(self, images: torch.Tensor) -> torch.Tensor:
-        """Run the network on (B, C, h, w), as the contract says."""
+        """Run the network on (B, C, h, w), as the contract says.
+
+        Raises:
+            InputError: What it returns is no picture of the declared range.
+        """
         told = self.contract
         given = images.flip(1) if told.channels == "BGR" else images
         given = given.permute(0, 2, 3, 1) if told.layout == "NHWC" else given
         values = np.ascontiguousarray((given * told.white).numpy())
         got = run_session(self._session, self._model, values, batch_size=self.batch_size)
         result = torch.from_numpy(got) / told.white
+        if not result.abs().max() <= _FARTHEST:
+            raise InputError(
+                f"{self._model}: returned values to {float(np.abs(got).max()):g}, its contract says"
+                f" {told.range}; mend the contract's range or give another network"
+            )
         result = result.permute(0, 3, 1, 2) if told.layout == "NHWC" else result
         return result.flip(1) if told.channels == "BGR" else result

@@ -12,7 +12,7 @@ import torch
 from lightning.pytorch import LightningModule
 from lightning.pytorch.utilities.types import OptimizerLRScheduler
 
-from lrsr.configuration import as_number
+from lrsr.configuration import as_number, require
 from lrsr.errors import InputError, NonFiniteError
 
 MakeOptimizer = partial[torch.optim.Optimizer]
@@ -142,6 +142,7 @@ def try_optimizer(make: MakeOptimizer, name: str) -> torch.optim.Optimizer:
     Raises:
         InputError: It cannot be made with these settings, which ``name`` is what messages call.
     """
+    require(isinstance(make, partial), name, make, f"{name}._target_=torch.optim.Adam and the like")
     if "lr" in make.keywords:
         as_number(make.keywords["lr"], f"{name}.lr")
     try:

@@ -16,7 +16,7 @@ from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import Callback, LightningDataModule, Trainer
 from lightning.pytorch.loggers import Logger
 
-from lrsr.configuration import as_whole
+from lrsr.configuration import as_whole, require
 from lrsr.errors import InputError
 from lrsr.files import write_json
 from lrsr.provenance import versions
@@ -107,6 +107,8 @@ def _build_trainer(
     given: Mapping[str, Any] = getattr(make, "keywords", {})
     for name in {"max_epochs", "log_every_n_steps"} & given.keys():
         as_whole(given[name], f"trainer.{name}")  # Lightning takes anything
+    for name in ("max_epochs", "max_steps", "limit_train_batches"):
+        require(given.get(name) != 0, f"trainer.{name}", 0, "more than 0: nothing would be learned")
     precision = given.get("precision", "auto")
     if precision == "auto":
         precision, why = choose_precision(given.get("accelerator", "auto"))

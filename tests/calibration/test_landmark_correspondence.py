@@ -29,7 +29,10 @@ from lrsr.identities.photographs.correspondence import Correspondence
 from lrsr.identities.photographs.landmarker import Landmarker
 from lrsr.identities.photographs.reconstructor import Reconstructor
 from lrsr.pictures.cache import RenderCache
+from lrsr.presets import preset
 from lrsr.rendering.pose import Pose
+from lrsr.rendering.scene import Scene
+from lrsr.rendering.standpoint import Standpoint
 
 RNG = np.random.default_rng(0)
 SIZE = 128
@@ -115,7 +118,8 @@ def painted(vertices: NDArray[np.int64], colours: NDArray[np.float64]) -> list[V
         head = Person("train", index).head(NEUTRAL, 64)
         for yaw, pitch, roll in POSES:
             pose = Pose("own", float(yaw), float(pitch), float(roll))
-            view = View(np.zeros((3, 200, 200), np.float32), np.zeros((5, 2)), head, pose, 1.5)
+            scene = Scene(preset("lighting", "frontal"), pose, standpoint=Standpoint("own", 1.5))
+            view = View(np.zeros((3, 200, 200), np.float32), np.zeros((5, 2)), head, scene)
             drawn = np.zeros((200, 200, 3), np.float32)
             places = view.project(head.parts[0].vertices[vertices].astype(np.float64))
             for place, colour in zip(places, colours.tolist(), strict=True):
@@ -174,7 +178,7 @@ def test_what_was_calibrated_fits_faces(
     for view in painted[1:4]:
         image = np.ascontiguousarray(view.image.transpose(1, 2, 0))
         found = find(image, view.landmarks_px)
-        pose = (view.pose.yaw_deg, view.pose.pitch_deg, view.pose.roll_deg)
+        pose = (view.scene.pose.yaw_deg, view.scene.pose.pitch_deg, view.scene.pose.roll_deg)
         np.testing.assert_allclose(found.fit.perspective.angles_deg, pose, atol=5)
         eyes = [found.points_px[list(pair)].mean(axis=0) for pair in ((33, 133), (362, 263))]
         np.testing.assert_allclose(eyes, view.landmarks_px[:2], atol=5)

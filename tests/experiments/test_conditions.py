@@ -102,6 +102,15 @@ def test_what_cannot_be_gone_through_is_refused(words: list[str], says: str) -> 
         conditions("experiment=sweep", *words)
 
 
+def test_a_single_detector_is_no_comparison_of_detectors() -> None:
+    wish = r"axes\.detector=\['shipped'\]: wanted two or more, to be compared; or against=\[\]"
+    with pytest.raises(InputError, match=wish):
+        conditions("experiment=detectors")
+    assert len(conditions("experiment=detectors", "against=[]")) == 3
+    assert len(conditions("experiment=detectors", "axes.detector=[shipped,x.onnx]")) == 6
+    assert len(conditions("experiment=another_day", "axes.another_day=[hair]", "ipd_px=8")) == 1
+
+
 def test_against_without_axes_is_refused() -> None:
     with pytest.raises(InputError, match=r"against=pose: wanted \[\], as there are no axes"):
         conditions("against=[pose]")

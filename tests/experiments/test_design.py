@@ -28,6 +28,22 @@ def test_eval_without_arguments_is_option_1_at_ipd_8_with_100_identities() -> No
     assert settings.quality.samples_per_pixel == 512
 
 
+@pytest.mark.parametrize(
+    ("word", "says"),
+    [
+        ("methods=[base,base]", r"methods=\['base', 'base'\]: wanted each of them once"),
+        ("fusions=[mean,mean]", "fusions=.*: wanted each of them once"),
+        ("options=[1,1]", r"options=\[1, 1\]: wanted each of them once"),
+        ("ipd_px=[8,8.0]", r"ipd_px=\[8.0, 8.0\]: wanted each of them once"),
+        ("ipd_px=[]", r"ipd_px=\[\]: wanted at least one size"),
+        ("methods=[onnx]", r"sr\.onnx\.model must be given: add sr\.onnx\.model=\.\.\."),
+    ],
+)
+def test_a_row_of_the_table_is_asked_for_once_and_wholly(word: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        Design.from_config(composed(word))
+
+
 def test_demo_has_24_identities_and_all_six_methods() -> None:
     settings = Design.from_config(configurations.composed("demo"))
     assert settings.people.count == 24

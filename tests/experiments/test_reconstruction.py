@@ -131,8 +131,17 @@ def test_who_is_who_is_told_as_by_any_folder_of_photographs(tmp_path: Path, mani
     if manifest:
         (images / "manifest.csv").write_text("file,identity_id\nann/1.png,eve\nalone.png,eve\n")
         names = {"eve": 2}
-    sources = Reconstructing(images, Intake())._sources()
+    made = images / "heads"
+    write_face(made / "sheet.png", 3, 96)  # not a photograph the next time
+    sources = Reconstructing(images, Intake())._sources(made)
     assert Counter(sources.values()) == names
+
+
+def test_people_are_not_written_among_their_photographs() -> None:
+    with pytest.raises(
+        InputError, match=r"out=heads/\.\./x: wanted another folder than that of the"
+    ):
+        Reconstructing.from_config(composed("reconstruct", "images=x", "out=heads/../x"))
 
 
 def test_a_folder_without_pictures_is_refused(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Folders and files of pictures, as people have them: names, resuming, refusals."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +65,19 @@ def test_files_and_folders_keep_their_names(tmp_path: Path) -> None:
     run(tmp_path / "out", one, tmp_path / "h", scale=3)
     names = ["a.png", "d.txt.png", "one.JPG", "sub/a.png", "sub/deep/b.webp"]
     assert made(tmp_path / "out") == dict.fromkeys(names, (27, 18))
+
+
+def test_a_name_of_strange_bytes_is_refused_and_the_others_are_finished(tmp_path: Path) -> None:
+    for name in ("a.png", "c.png"):
+        picture(tmp_path / "h" / name)
+    strange = tmp_path / "h" / os.fsdecode(b"b\xff.png")
+    strange.write_bytes((tmp_path / "h" / "a.png").read_bytes())
+    with pytest.raises(ExceptionGroup) as refused:
+        run(tmp_path / "out", tmp_path / "h", scale=3)
+    (error,) = refused.value.exceptions
+    assert isinstance(error, InputError)
+    assert str(error).endswith(r"b\udcff.png': a name of other bytes than UTF-8; rename it")
+    assert [*made(tmp_path / "out")] == ["a.png", "c.png"]
 
 
 def test_several_folders_become_folders(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import pytest
 from fakes.scenes import EXPRESSIONS
 from oracles.lids import pierced_mm
 
+from lrsr.errors import InputError
 from lrsr.identities import morphable
 from lrsr.identities.gate.plausibility import check_face, check_hair
 from lrsr.identities.head import Head
@@ -294,6 +295,14 @@ def test_a_position_map_of_next_to_nothing_is_refused() -> None:
 def test_a_negative_seed_is_refused(call: object) -> None:
     with pytest.raises(ValueError, match="seed must be >= 0"):
         call(-1)  # type: ignore[operator]  # both take a seed
+
+
+@pytest.mark.parametrize("seed", [3.0, "3", None, True, np.array([3])], ids=str)
+def test_a_seed_is_a_whole_number(seed: object) -> None:
+    with pytest.raises(InputError, match=r"seed=.*: wanted a whole number"):
+        sample_head(seed)  # type: ignore[arg-type]  # of a notebook
+    with pytest.raises(InputError, match=r"texture_size=64\.0: wanted a whole number"):
+        sample_head(3, texture_size=64.0)  # type: ignore[arg-type]
 
 
 def test_a_tiny_texture_is_refused() -> None:

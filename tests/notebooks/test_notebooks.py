@@ -43,6 +43,7 @@ def test_notebook_defines_no_functions(path: Path) -> None:
     assert "def " not in "".join(code_of(path))
 
 
+@pytest.mark.filterwarnings("error:__array__ implementation")  # it wants an array, not a tensor
 @pytest.mark.filterwarnings("default")  # of other packages, as a kernel shows them
 @pytest.mark.parametrize(
     "path",

@@ -209,6 +209,7 @@ def test_an_empty_manifest_has_no_rows(folder: Path) -> None:
         ("file,", "path,", r"manifest\.csv, line 1: no column file among path, "),
         ("file,", '"file"x,', r"manifest\.csv, line 1: ',' expected after '\"'"),
         ("b.png", "c.png", r"line 3: c\.png does not exist"),
+        ("b.png", "b\0.png", r"line 3: .* is no name of a file; mend it"),
         ("b.png", "../b.png", r"line 3: \.\./b\.png lies outside"),
         ("b.png", "/etc/hostname", r"line 3: /etc/hostname lies outside"),
         ("b.png", "..\\b.png", r"line 3: \.\./b\.png lies outside"),

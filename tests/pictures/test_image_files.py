@@ -101,6 +101,13 @@ def test_a_broken_picture_is_named(tmp_path: Path, content: bytes | None) -> Non
         read_image(path)
 
 
+def test_a_name_of_strange_bytes_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(
+        InputError, match=r"b\\udcff\.png': a name of other bytes than UTF-8; rename"
+    ):
+        read_image(tmp_path / os.fsdecode(b"b\xff.png"))
+
+
 def test_a_missing_picture_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"cannot read .*a\.png: No such file or directory"):
         read_image(tmp_path / "a.png")

@@ -49,6 +49,23 @@ def test_a_face_is_cut_along_its_box(root: Path) -> None:
     assert picture.landmarks_px is None
 
 
+@pytest.mark.parametrize(("separator", "encoding"), [(";", "utf-16"), ("\t", "utf-8-sig")])
+def test_a_list_may_have_been_saved_by_any_program(
+    tmp_path: Path, separator: str, encoding: str
+) -> None:
+    path = one_row(tmp_path) / "list.csv"
+    plain = copy_of(tmp_path).read(path, "probe")
+    path.write_bytes(path.read_text().replace(",", separator).encode(encoding))
+    assert copy_of(tmp_path).read(path, "probe") == plain
+
+
+def test_two_columns_of_one_name_are_refused(tmp_path: Path) -> None:
+    path = one_row(tmp_path, SIGHTING_ID=7) / "list.csv"
+    path.write_text(path.read_text().replace("SIGHTING_ID", "subject_id"))
+    with pytest.raises(InputError, match="line 1: 2 columns subject_id; rename one"):
+        copy_of(tmp_path).read(path, "probe")
+
+
 @pytest.mark.parametrize(
     ("margin", "size"), [(0.0, (6, 4)), (0.25, (8, 8)), (9.0, (8, 10))], ids=str
 )

@@ -81,6 +81,11 @@ def test_every_field_is_such_a_thing() -> None:
     assert {each.name for each in fields(Recipe)} == {"person", "scene", "film", "quality", "seed"}
 
 
+def test_few_samples_are_not_what_older_caches_keep_of_them() -> None:
+    asked = [changed(samples_per_pixel=number).plain(VERSIONS) for number in (15, 16)]
+    assert [one["quality"].get("few") for one in asked] == [True, None]
+
+
 @pytest.mark.parametrize("name", ["renderer", "identities", "variant"])
 def test_new_code_makes_new_pictures(name: str) -> None:
     assert key(RECIPE, **{name: "2"}) != key(RECIPE)

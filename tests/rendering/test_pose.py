@@ -40,3 +40,8 @@ def test_a_frontal_head_does_not_move() -> None:
 def test_a_pose_refuses_what_is_no_angle(angle: float) -> None:
     with pytest.raises(InputError, match=rf"(?i)pose\.yaw_deg={angle}: wanted a number"):
         Pose("broken", yaw_deg=angle)
+
+
+def test_no_head_turns_round_twice() -> None:
+    with pytest.raises(InputError, match=r"pose\.pitch_deg=-200\.0: wanted -180 to 180 degrees"):
+        Pose("own", 180, -200)

@@ -6,10 +6,13 @@ from typing import Any
 import pytest
 import torch
 from oracles.waves import picture, shifted
+from torch.nn import functional as F
 
 from lrsr.errors import ImageContractError, InputError
+from lrsr.images import scale_points
+from lrsr.resampling import sample_bicubic
 from lrsr.sr import Bicubic, Mean, ShiftAndAdd
-from lrsr.sr.fusion import lay_over
+from lrsr.sr.fusion import lay_over, pixels_through
 
 SIDE, SCALE = 16, 2
 STEPS = [(0.0, 0.0), (0.5, 0.1), (-0.1, 0.5), (0.45, -0.5), (-0.5, -0.2), (0.2, 0.3)]
@@ -117,6 +120,28 @@ def test_a_frame_does_not_count_where_it_does_not_reach() -> None:
     assert torch.equal(laid[0, 0], ramp[0, 0])
     torch.testing.assert_close(laid[0, 1, 0, 0, :5], ramp[0, 0, 0, 0, 3:], atol=1e-6, rtol=0)
     assert laid[0, 1, :, :, 5:].isnan().all()
+
+
+def test_a_step_goes_down_the_slope_that_autograd_finds() -> None:
+    generator = torch.Generator().manual_seed(0)
+    bursts = 0.3 + 0.4 * torch.rand(1, 2, 3, 6, 5, generator=generator)
+    motions = torch.stack([shifted(0, 0), shifted(0.3, -0.6)])[None].float()
+    given = lay_over(bursts, motions, 2).nanquantile(0.5, dim=1).requires_grad_()
+    kernel = torch.exp(-0.5 * (torch.arange(-4, 5) / 1.0) ** 2)
+    kernel = (kernel / kernel.sum()).expand(3, 1, 1, -1)
+    padded = F.pad(given, (4,) * 4, mode="replicate")
+    blurred = F.conv2d(F.conv2d(padded, kernel, groups=3), kernel.mT, groups=3)
+    back = torch.stack([shifted(0, 0), shifted(-0.3, 0.6)])[None].float()
+    places = scale_points(pixels_through(back, (6, 5)), 2)[0]
+    seen = sample_bicubic(blurred.expand(2, -1, -1, -1), places[:, None])
+    total = 4 * (seen - bursts[0]).abs().sum() / 2
+    for right, down in ((1, 0), (0, 1), (1, 1), (-1, 1)):
+        here = given[..., down:, max(0, right) : 10 + min(0, right)]
+        there = given[..., : 12 - down, max(0, -right) : 10 - max(0, right)]
+        total = total + 0.05 * 0.6 ** (abs(right) + down) * (here - there).abs().sum()
+    (slope,) = torch.autograd.grad(total, given)
+    fused = ShiftAndAdd(2, Told(motions), reach=1, iterations=1, step=0.01)(bursts)
+    torch.testing.assert_close(fused, given.detach() - 0.01 * slope, atol=1e-6, rtol=0)
 
 
 def test_every_burst_of_a_batch_is_fused_by_itself(frames: torch.Tensor) -> None:

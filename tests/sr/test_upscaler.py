@@ -13,7 +13,7 @@ from lrsr.images import luminance, resize_bicubic, rgb_to_ycbcr, ycbcr_to_rgb
 from lrsr.onnx import contract_path, sha256_of
 from lrsr.paths import asset, config_folder
 from lrsr.presets import preset
-from lrsr.sr import Bicubic, Onnx, Upscaler, load_upscaler
+from lrsr.sr import Bicubic, Onnx, Upscaler, load_upscaler, onnx_network
 from lrsr.sr.networks.edsr import EDSR
 from lrsr.sr.networks.srcnn import SRCNN
 from lrsr.sr.upscaler import Luminance, Repeated, Rgb
@@ -432,6 +432,21 @@ def test_somebodys_network_says_where_it_comes_from(somebodys: Callable[..., Pat
     told = load_upscaler(somebodys(), "Theirs").describe()
     assert (told["kind"], told["file"], told["architecture"]) == ("onnx", "theirs.onnx", "a test")
     assert (told["label"], told["kernel"]) == ("Theirs", "")
+
+
+@pytest.mark.parametrize("white", [255.0, float("nan")], ids=["of another range", "no number"])
+def test_values_that_are_no_picture_are_refused(
+    somebodys: Callable[..., Path],
+    faces: torch.Tensor,
+    white: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run = onnx_network.run_session
+    bright = lambda *given, **more: run(*given, **more) * white  # noqa: E731
+    monkeypatch.setattr(onnx_network, "run_session", bright)
+    wish = r"theirs\.onnx: returned values to (\d\d\d.*|nan), its contract says 0\.\.1; mend"
+    with pytest.raises(InputError, match=wish):
+        load_upscaler(somebodys())(faces)
 
 
 def test_a_contract_of_another_scale_is_caught(

@@ -37,7 +37,7 @@ from lrsr.recognition import Engine
 from lrsr.sr import load_upscaler
 from lrsr.sr.weights import read_weights
 from lrsr.training import identification, lessons, restoration
-from lrsr.training.learner import Learner
+from lrsr.training.learner import Learner, try_optimizer
 from lrsr.training.patches import Pair, RgbPatches
 from lrsr.training.restoration import Restoration
 from lrsr.training.run import train
@@ -413,6 +413,22 @@ def test_run_without_validation_images_is_refused(pairs: SyntheticPairs, tmp_pat
     trainer = partial(quiet, max_epochs=1, limit_val_batches=0)
     with pytest.raises(InputError, match="no image to validate on"):
         train(make_srcnn(), pairs, folder=tmp_path, trainer=trainer, depends_on={})
+
+
+@pytest.mark.parametrize("name", ["max_epochs", "max_steps", "limit_train_batches"])
+def test_a_run_that_would_learn_nothing_is_refused(
+    name: str, pairs: SyntheticPairs, tmp_path: Path
+) -> None:
+    trainer = partial(quiet, **{"max_epochs": 1, name: 0})
+    with pytest.raises(InputError, match=rf"trainer\.{name}=0: wanted more than 0"):
+        train(make_srcnn(), pairs, folder=tmp_path, trainer=trainer, depends_on={})
+
+
+def test_no_optimizer_is_refused() -> None:
+    with pytest.raises(
+        InputError, match=r"module\.optimizer=null: wanted module\.optimizer\._targ"
+    ):
+        try_optimizer(None, "module.optimizer")  # type: ignore[arg-type]  # as the line may say it
 
 
 def test_a_setting_that_lightning_refuses_is_told(pairs: SyntheticPairs, tmp_path: Path) -> None:

@@ -190,10 +190,12 @@ def read_photographed(folder: Path) -> tuple[Photographed, ...]:
     """
     path = folder / RECORD
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        content = json.loads(path.read_bytes())
+    except OSError as error:
         remedy = f"lrsr reconstruct images=PICTURES out={folder} makes one"
         raise InputError(f"identities.photographs={folder}: no {RECORD} there; {remedy}") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path} is no JSON: run lrsr reconstruct again") from error
     try:
         require(content["format"] == FORMAT, f"{path} format", content["format"], str(FORMAT))
         taken = [photographed_from(one) for one in content["people"]]

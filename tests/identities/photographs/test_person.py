@@ -147,6 +147,13 @@ def test_a_folder_of_pictures_alone_is_no_people(tmp_path: Path) -> None:
         read_photographed(tmp_path)
 
 
+@pytest.mark.parametrize("content", [b"", b"{", b"[" * 100_000, bytes(range(256))], ids=len)
+def test_a_broken_record_is_named(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "people.json").write_bytes(content)
+    with pytest.raises(InputError, match=r"people\.json is no JSON: run lrsr reconstruct again"):
+        read_photographed(tmp_path)
+
+
 def test_a_picture_that_is_gone_or_changed_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot read /nowhere"):
         somebody().head(NEUTRAL, 64)
