@@ -38,6 +38,8 @@ _DARK, _BRIGHT, _OTHER_HUE = -0.75, 0.8, 5.0
 """Logarithms of luminance, and robust deviations of hue, beyond which skin is hidden."""
 _TONE_BLUR = 6 / 1024
 """Of the texture: spots that are smaller are no light."""
+_COARSER = 4
+"""Texels that one of such a smooth map spans."""
 _LEAST_CORE = 0.005
 """Share of the texture that cheeks and nose must have to be measured; about 0.05 if all is seen."""
 _GROWN = 10 / 1024
@@ -119,7 +121,12 @@ def paint_photographed(shot: Shot, seen: Texels, oval: NDArray[np.bool_]) -> Pho
 def _uncast(colour: Map, luminance: Map, normals: Map, weight: Map, core: NDArray[np.bool_]) -> Map:
     """Return colours as if all light had the hue that it has on the core; luminance stays."""
     hue = np.log(colour[..., [0, 2]] / colour[..., [1]])
-    tone = extended(np.log(colour), weight, _TONE_BLUR * len(colour)) @ _LUMINANCE
+    small = (len(colour) // _COARSER, len(colour) // _COARSER)
+    known = np.asarray(cv2.resize(weight, small, interpolation=cv2.INTER_AREA))
+    logs = cv2.resize(np.log(colour) * weight[..., None], small, interpolation=cv2.INTER_AREA)
+    logs = np.asarray(logs / np.maximum(known, np.float32(1e-3))[..., None], np.float32)
+    smooth = extended(logs, known, _TONE_BLUR * len(logs)) @ _LUMINANCE
+    tone = np.asarray(cv2.resize(smooth, weight.shape, interpolation=cv2.INTER_LINEAR))
     red, blue = np.moveaxis(estimate_cast(hue, tone, normals, weight, core), -1, 0)
     even = colour * np.exp(-np.stack([red, np.zeros_like(red), blue], axis=-1))
     return np.asarray(even * (luminance / (even @ _LUMINANCE))[..., None], np.float32)
