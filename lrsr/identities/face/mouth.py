@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from lrsr.identities.face.teeth import Jaws, build_jaws, paint_jaws
 from lrsr.identities.head import Part
-from lrsr.identities.shape.basis import BaseHead, Basis, load_basis
+from lrsr.identities.shape.basis import BaseHead, load_basis
 from lrsr.identities.shape.position_map import draw_triangles, fill_outside
 from lrsr.identities.shape.topology import REGIONS
 
@@ -78,8 +78,10 @@ class _Cavity(NamedTuple):
         return moved
 
 
-def _rings(basis: Basis) -> NDArray[np.int64]:
+@lru_cache(maxsize=1)
+def mouth_rings() -> NDArray[np.int64]:
     """Count how many quads behind the meeting of the lips a base vertex lies; 0 on the face."""
+    basis = load_basis()
     mouth = basis.quads[basis.region == REGIONS.index("mouth")][:-STRIP_QUADS]
     ring = np.zeros(basis.n_skin, np.int64)
     known = set(np.unique(basis.quads[basis.region == 0]).tolist())
@@ -105,7 +107,7 @@ def cavity() -> _Cavity:
         fresh = np.setdiff1d(near, np.flatnonzero(known))
         step[fresh], known[fresh] = share, True
     step = step[surface.twin]
-    inside = np.clip(surface.matrix @ np.clip(_rings(basis) - 1.0, 0.0, 1.0), 0.0, 1.0)
+    inside = np.clip(surface.matrix @ np.clip(mouth_rings() - 1.0, 0.0, 1.0), 0.0, 1.0)
     found = np.flatnonzero(step)
     outside = (1.0 - inside).astype(np.float32)
     return _Cavity(found, _CAVITY_MM * step[found], inside, outside, step)
@@ -152,7 +154,7 @@ def lining(texture_size: int) -> _Lining:
 def _inner_lips() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Base vertices where the lips meet, and those behind, near the middle of the mouth."""
     basis = load_basis()
-    ring, mouth = _rings(basis), basis.quads[basis.region == REGIONS.index("mouth")]
+    ring, mouth = mouth_rings(), basis.quads[basis.region == REGIONS.index("mouth")]
     template = basis.shape(basis.neutral).skin
     middle = np.intersect1d(np.unique(mouth), np.flatnonzero(np.abs(template[:, 0]) < 6.0))
     return middle[ring[middle] == 0], middle[ring[middle] > 0]

@@ -42,7 +42,7 @@ def paint_hair(skin: PhotographedSkin, shot: Shot, seen: Texels, person: NDArray
     grows = np.maximum(smoothstep(*_ABOVE_MM, y), skin.hidden * smoothstep(*_BESIDE_MM, y))
     front = inside * seen.visible * smoothstep(*_FACING, seen.facing) * grows
     front = (front * bald).astype(np.float32)
-    colour = np.clip(seen.sample(shot.linear) * skin.gain, 0.003, 0.95)
+    colour = np.clip(skin.lit * skin.gain, 0.003, 0.95)
     above = y - 62 - np.minimum(0, z + 30) * np.float32(0.9)
     skull = (smoothstep(-_SKULL_MM, _SKULL_MM, above) * bald)[..., None]
     sure = front * (y > 60) * (front > 0.7)

@@ -30,11 +30,17 @@ from lrsr.identities.photographs.fit import Fit
 from lrsr.identities.photographs.foreground import find_person
 from lrsr.identities.photographs.hair import paint_hair
 from lrsr.identities.photographs.irises import IrisFinder, gazes_through
-from lrsr.identities.photographs.outlines import FACE, LIP_GAP, filled
+from lrsr.identities.photographs.mouth import (
+    lips_are_parted,
+    paint_sheet,
+    painted_faces,
+    skin_with_sheet,
+)
+from lrsr.identities.photographs.outlines import FACE, filled
 from lrsr.identities.photographs.picture_file import Photograph
 from lrsr.identities.photographs.quality import Quality, bridge_edge
 from lrsr.identities.photographs.reconstructor import Reconstructor, shared_reconstructor
-from lrsr.identities.photographs.shot import Mesh, Shot, take_shot
+from lrsr.identities.photographs.shot import Mesh, take_shot
 from lrsr.identities.photographs.skin import paint_photographed, plain_maps
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.position_map import Raster, cover
@@ -42,8 +48,6 @@ from lrsr.identities.shape.position_map import Raster, cover
 Map = NDArray[np.float32]
 Points = NDArray[np.float64]
 
-_PARTED_IPDS = 0.03
-"""Least gap of lips that are not closed."""
 _LASHES = (2, 520)
 """Vertices of both eyes' lashes: the photograph has them, so the mesh is folded up in the eye."""
 _LASH_ALBEDO = 0.015
@@ -98,10 +102,11 @@ class Reconstruction:
         surface, face = load_basis().surface, self.face
         base = self.fit.acting if self.kept == "photograph" else self.fit.rest
         acting = expression.act(load_basis(), base)
-        points = acting_skin(face, acting)
         sheet = self.parted and self.kept == "photograph"
-        if not sheet:
-            points = cavity().hollow(points)
+        if sheet:
+            points = skin_with_sheet(face, acting)
+        else:
+            points = cavity().hollow(acting_skin(face, acting))
         skin = clear_lids(points, face.eyes, template().lids).astype(np.float32)
         maps = plain_maps(len(self.albedo))
         albedo = self.albedo
@@ -152,10 +157,10 @@ def reconstruct(
     face = place_face(fit.rest, gazes_through(eyes_at_rest, fit.perspective, pupils_px))
     perspective = fit.perspective.moved_axes(face.rotation, face.origin)
     shot = take_shot(srgb, perspective, found.points_px, face.eyes.pupils)
-    parted = _lips_are_parted(shot)
-    points = acting_skin(face, fit.acting)
-    surface, ball = load_basis().surface, unit_ball()
-    skin = Mesh(points, surface.faces, surface.uv)
+    parted = lips_are_parted(shot)
+    points = (skin_with_sheet if parted else acting_skin)(face, fit.acting)
+    ball = unit_ball()
+    skin = Mesh(points, painted_faces(), load_basis().surface.uv)
     balls = [
         Mesh(eyeball_vertices(face.eyes, which).astype(np.float64), ball.faces, ball.uv)
         for which in (0, 1)
@@ -169,6 +174,8 @@ def reconstruct(
     if hair == "painted":
         person = find_person(shot, depths.covered((shape[0], shape[1])), oval)
         albedo = paint_hair(painted, shot, seen, person)
+    if parted:
+        albedo = paint_sheet(albedo, shot, seen, painted.gain)
     margins = lid_margins(points, face.eyes, template().lids)
     eyes = [
         photographed_eye(shot, face.eyes, which, margins, painted.gain, depths) for which in (0, 1)
@@ -193,13 +200,7 @@ def reconstruct(
 
 @lru_cache(maxsize=2)
 def _skin_raster(texture_size: int) -> Raster:
-    surface = load_basis().surface
-    return cover(surface.uv, surface.faces, texture_size)
-
-
-def _lips_are_parted(shot: Shot) -> bool:
-    upper, lower = shot.points_px[list(LIP_GAP)]
-    return bool(np.linalg.norm(lower - upper) > _PARTED_IPDS * shot.ipd_px)
+    return cover(load_basis().surface.uv, painted_faces(), texture_size)
 
 
 @lru_cache(maxsize=1)

@@ -16,7 +16,7 @@ from scipy import ndimage
 from lrsr.errors import InputError
 from lrsr.identities.appearance import SkinMaps
 from lrsr.identities.morphable import paint_plain_skin
-from lrsr.identities.photographs.light import estimate_shading
+from lrsr.identities.photographs.light import estimate_cast, estimate_shading
 from lrsr.identities.photographs.shot import Shot, Texels
 from lrsr.identities.photographs.white import light_colour
 from lrsr.identities.photographs.zones import Zones, zones
@@ -36,6 +36,10 @@ _MIDDLE_MM = (4.0, 14.0)
 """How far from the middle a texel must be to learn from its mirror image."""
 _DARK, _BRIGHT, _OTHER_HUE = -0.75, 0.8, 5.0
 """Logarithms of luminance, and robust deviations of hue, beyond which skin is hidden."""
+_TONE_BLUR = 6 / 1024
+"""Of the texture: spots that are smaller are no light."""
+_COARSER = 4
+"""Texels that one of such a smooth map spans."""
 _LEAST_CORE = 0.005
 """Share of the texture that cheeks and nose must have to be measured; about 0.05 if all is seen."""
 _GROWN = 10 / 1024
@@ -50,6 +54,7 @@ class PhotographedSkin:
 
     Attributes:
         albedo: ``(S, S, 3)`` float32, linear, [0, 1].
+        lit: ``(S, S, 3)`` light on the photograph, that of skin as if all had the core's hue.
         gain: ``(3,)`` from linear light on the photograph to reflectance, shading aside.
         known: ``(S, S)`` float32, how much of each texel is the photograph's, mirrored or not.
         hidden: ``(S, S)`` float32, where hair or something else lies over the skin.
@@ -60,6 +65,7 @@ class PhotographedSkin:
     """
 
     albedo: Map
+    lit: Map
     gain: Map
     known: Map
     hidden: Map
@@ -92,15 +98,17 @@ def paint_photographed(shot: Shot, seen: Texels, oval: NDArray[np.bool_]) -> Pho
         luminance, seen.normals, weight * parts.plain, parts.core
     )
     core = parts.core & (weight > 0.5)
-    hidden = _hidden(np.log(colour), np.log(luminance / shading), core, parts)
+    white = _uncast(colour, luminance, seen.normals, weight * parts.plain, parts.core)
+    hidden = _hidden(np.log(white), np.log(luminance / shading), core, parts)
     weight = weight * (1 - hidden)
-    even: Map = np.asarray(colour / shading[..., None], np.float32)
+    even: Map = np.asarray(white / shading[..., None], np.float32)
     gain, tint = _gain(even, core)
     albedo = even * gain
     known, full = _completed(np.log(np.clip(albedo, 0.002, 1.2)), weight, core, parts)
     front = parts.plain & (parts.points[..., 2] > -40)
     return PhotographedSkin(
         np.clip(full, 0.003, 0.95).astype(np.float32),
+        white + hidden[..., None] * (colour - white),
         gain,
         known,
         hidden,
@@ -108,6 +116,20 @@ def paint_photographed(shot: Shot, seen: Texels, oval: NDArray[np.bool_]) -> Pho
         unevenness,
         tint,
     )
+
+
+def _uncast(colour: Map, luminance: Map, normals: Map, weight: Map, core: NDArray[np.bool_]) -> Map:
+    """Return colours as if all light had the hue that it has on the core; luminance stays."""
+    hue = np.log(colour[..., [0, 2]] / colour[..., [1]])
+    small = (len(colour) // _COARSER, len(colour) // _COARSER)
+    known = np.asarray(cv2.resize(weight, small, interpolation=cv2.INTER_AREA))
+    logs = cv2.resize(np.log(colour) * weight[..., None], small, interpolation=cv2.INTER_AREA)
+    logs = np.asarray(logs / np.maximum(known, np.float32(1e-3))[..., None], np.float32)
+    smooth = extended(logs, known, _TONE_BLUR * len(logs)) @ _LUMINANCE
+    tone = np.asarray(cv2.resize(smooth, weight.shape, interpolation=cv2.INTER_LINEAR))
+    red, blue = np.moveaxis(estimate_cast(hue, tone, normals, weight, core), -1, 0)
+    even = colour * np.exp(-np.stack([red, np.zeros_like(red), blue], axis=-1))
+    return np.asarray(even * (luminance / (even @ _LUMINANCE))[..., None], np.float32)
 
 
 def _gain(even: Map, core: NDArray[np.bool_]) -> tuple[Map, tuple[float, float]]:

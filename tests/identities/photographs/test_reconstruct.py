@@ -10,11 +10,16 @@ from lrsr.identities.day.another_day import AnotherDay
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.head import Head
 from lrsr.identities.morphable import sample_head
+from lrsr.identities.photographs.mouth import _island
+from lrsr.identities.photographs.outlines import filled
 from lrsr.identities.photographs.picture_file import Photograph, decode, frame
 from lrsr.identities.photographs.reconstruct import Reconstruction, reconstruct
+from lrsr.identities.photographs.reconstructor import shared_reconstructor
 from lrsr.identities.photographs.skin import extended
 
 FIVE_PX = np.array([[205.0, 101.0], [247.0, 103.0], [224.0, 129.0], [202.0, 138.0], [244.0, 141.0]])
+INNER_LIPS = (78, 82, 13, 312, 308, 317, 14, 87)
+"""MediaPipe's, around the gap."""
 SIZE = 128
 
 
@@ -67,6 +72,24 @@ def test_the_same_photograph_gives_the_same_bytes(
 def test_cheeks_have_the_colour_of_skin_and_no_texel_is_missing(made: Reconstruction) -> None:
     assert np.isfinite(made.albedo).all()
     assert 0 < made.albedo.min() <= made.albedo.max() <= 1
+
+
+def test_between_parted_lips_is_the_photograph(
+    photograph: Photograph, made: Reconstruction
+) -> None:
+    points = shared_reconstructor()(photograph.srgb, photograph.five_px).points_px
+    height, width = photograph.srgb.shape[:2]
+    painted = photograph.srgb.copy()
+    painted[filled(points, INNER_LIPS, (height, width))] = (0.0, 0.8, 0.0)
+    box, mask = _island(SIZE)
+
+    def green(of: Reconstruction) -> float:
+        albedo = of.albedo[box][mask]
+        return float((albedo[:, 1] > 2 * albedo[:, 0]).mean())
+
+    teeth_of_grass = reconstruct(photograph._replace(srgb=painted), texture_size=SIZE)
+    assert green(made) == 0
+    assert green(teeth_of_grass) > 0.5
 
 
 def test_a_neutral_face_has_a_closed_mouth(made: Reconstruction) -> None:
