@@ -127,7 +127,10 @@ def model_file(name: str, kind: Kind) -> Path:
     if os.sep in name or name.lower().endswith((".onnx", ".safetensors")):
         return user_path(name)
     here = records()
-    known = {model.name: source for source in sources().values() for model in source.models}
+    # Of several that hold it the first, as lrsr models pull has it.
+    known = {
+        model.name: source for source in reversed(sources().values()) for model in source.models
+    }
     if name in sources():
         inner = [model.name for model in sources()[name].models if model.kind == kind]
         known |= {name: sources()[name]}
