@@ -6,7 +6,7 @@
 from lrsr import __version__
 
 project = "lrsr"
-author = "the lrsr authors"
+author = project_copyright = "the lrsr authors"
 release = __version__
 
 extensions = [
