@@ -94,7 +94,9 @@ def sample_appearance(
     hair = sample_hair_colour(
         child["hair_colour"], age=age, ancestry=shares, masculinity=masculinity
     )
-    complexion = sample_complexion(child["complexion"], age=age, ancestry=shares)
+    complexion = sample_complexion(
+        child["complexion"], masculinity=masculinity, age=age, ancestry=shares
+    )
     return {
         "complexion": complexion,
         "lips": sample_lips(child["lips"], masculinity=masculinity, melanin=complexion["melanin"]),

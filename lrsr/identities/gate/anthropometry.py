@@ -55,11 +55,14 @@ _MIDLINE = {
 _SIDES = {
     "alare": (18.1, -44.6, 7.2),
     "zygion": (68.2, -19.0, -41.2),
+    "cheek": (66.5, -45.0, -47.0),
     "jaw": (57.5, -79.6, -47.4),
     "eurion": (71.5, 51.0, -78.0),
     "cheilion": (25.0, -73.5, -1.0),
     "exocanthion": (44.6, -2.0, -11.0),
     "endocanthion": (20.3, -3.0, -3.2),
+    "inner brow": (17.0, 14.0, 7.0),
+    "middle of the brow": (34.0, 18.0, 2.0),
     "superaurale": (75.9, 23.2, -95.9),
     "subaurale": (76.3, -51.0, -92.0),
 }
@@ -73,6 +76,7 @@ _LENGTHS: dict[str, tuple[str, str]] = {
     "head length": ("glabella", "opisthocranion"),
     "head width": ("left eurion", "right eurion"),
     "face width": ("left zygion", "right zygion"),
+    "cheek width": ("left cheek", "right cheek"),
     "jaw width": ("left jaw", "right jaw"),
     "nose height": ("nasion", "subnasale"),
     "nose width": ("left alare", "right alare"),
@@ -201,6 +205,23 @@ def measure_crookedness(skin: Points) -> dict[str, float]:
         "crooked: cant of the mouth, degrees": abs(math.degrees(math.atan2(y, x))),
         "crooked: mouth off the middle, mm": abs(aside),
     }
+
+
+def brow_rise_degrees(skin: Points) -> tuple[float, float]:
+    """Return by how much the brows, on the subject's left and right, rise from nose to middle.
+
+    Args:
+        skin: ``(V, 3)`` render vertices, head frame, mm.
+    """
+    vertex = _landmark_vertices()
+
+    def rise(side: str) -> float:
+        across, up, _ = skin[vertex[f"{side} middle of the brow"]] - skin[
+            vertex[f"{side} inner brow"]
+        ]
+        return math.degrees(math.atan2(up, abs(across)))
+
+    return rise("left"), rise("right")
 
 
 def nose_depth_mm(skin: Points) -> float:

@@ -5,7 +5,7 @@ what a mesh may do before it shows. Tests are those that refuse somebody;
 :func:`lrsr.identities.morphable.sample_head` redraws a head whose geometry fails one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from lrsr.identities.gate.anthropometry import (
     PROPORTIONS,
     SIGMA_Z_LIMIT,
     Sex,
+    brow_rise_degrees,
     limits,
     measure_crookedness,
     measure_lengths,
@@ -46,6 +47,12 @@ _LIMITS: dict[str, tuple[float, float]] = {
     # From its crease in the cheek, 5 mm and more behind its widest point, to the tip a wing is 28
     # to 35 mm long, SD 2 (Farkas 1994).
     "nose: tip before the wings, mm": (10.0, 37.0),
+    # A face is widest at the cheekbones; jowls as wide are a caricature's.
+    "cheeks: width to that of the face, %": (85.0, 100.5),
+    # Brows that are lower at the nose by more are a frown's, those that are higher a clown's.
+    "brows: rise from nose to middle, degrees": (0.0, 27.0),
+    # Means of the widest lips (African Americans, Farkas 2005): 27 mm to 54 mm.
+    "mouth: height of both lips to its width, %": (15.0, 62.0),
     "mouth: lips pressed into each other, mm": (0.0, 3.5),
     # Lips that part by 1 mm along the mouth; the template's own, parted a little, show 25.
     "mouth: inside seen from in front, mm^2": (0.0, 48.0),
@@ -79,6 +86,9 @@ def check_face(skin: Points, eyes: Eyes, sex: Sex, iris_rad: float) -> list[str]
         "mouth: lips pressed into each other, mm": lip_overlap_mm(skin),
         "mouth: inside seen from in front, mm^2": mouth_area_mm2(skin),
         **measure_crookedness(skin),
+        "brows: rise from nose to middle, degrees": _farther(
+            brow_rise_degrees(skin), *_LIMITS["brows: rise from nose to middle, degrees"]
+        ),
         "skin: share of triangles turned over": turned_share(skin),
     }
     return [*_check_proportions(skin, eyes, sex), *_outside(measured, _LIMITS)]
@@ -117,7 +127,7 @@ def _measure_eyes(skin: Points, eyes: Eyes, iris_rad: float) -> dict[str, float]
     }
 
 
-def _farther(values: list[float], low: float, high: float) -> float:
+def _farther(values: Sequence[float], low: float, high: float) -> float:
     """Return the value that is farther from the middle between two limits."""
     return max(values, key=lambda value: abs(value - (low + high) / 2))
 
@@ -127,7 +137,12 @@ def _check_proportions(skin: Points, eyes: Eyes, sex: Sex) -> list[str]:
     left, right = eyes.pupils
     lengths = measure_lengths(skin, float(np.linalg.norm(right - left)))
     values = proportions(lengths)
-    measured, allowed = {}, {}
+    lips = lengths["upper vermilion"] + lengths["lower vermilion"]
+    measured = {
+        "cheeks: width to that of the face, %": 100.0 * lengths["cheek width"] / lengths["face width"],
+        "mouth: height of both lips to its width, %": 100.0 * lips / lengths["mouth width"],
+    }
+    allowed = {name: _LIMITS[name] for name in measured}
     for proportion in PROPORTIONS:
         name = f"proportion: {proportion.name}, {'%' if proportion.whole else 'mm'}"
         measured[name], allowed[name] = values[proportion.name], limits(proportion, sex)

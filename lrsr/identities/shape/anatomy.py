@@ -81,7 +81,7 @@ _TRENDS = {
     "eyes/eye-scale-decr-incr": _Trend(average=0.5, sex=-0.06),
     "eyes/eye-trans-in-out": _Trend(average=0.15),
     "eyes/eye-height2-decr-incr": _Trend(average=0.4, sex=-0.3),
-    "eyebrows/eyebrows-trans-backward-forward": _Trend(sex=0.1),
+    "eyebrows/eyebrows-trans-backward-forward": _Trend(sex=0.3),
     "eyebrows/eyebrows-trans-down-up": _Trend(sex=-0.7),
     "neck/neck-scale-horiz-decr-incr": _Trend(average=-0.7, sex=0.3),
     "neck/neck-scale-depth-decr-incr": _Trend(sex=0.3),
@@ -122,7 +122,7 @@ _RESTING_UNITS = {
     "mouthPress": 0.23,
     "mouthPucker": 0.12,
     "mouthShrugLower": 0.08,
-    "mouthSmile": 0.47,
+    "mouthSmile": 0.35,
     "noseSneer": 0.09,
     "jawForward": 0.15,
 }

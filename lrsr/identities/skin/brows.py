@@ -61,7 +61,7 @@ def sample_brows(rng: Generator, *, masculinity: float) -> Brows:
         Plain numbers.
     """
     m = float(masculinity)
-    thickness = float(np.clip(rng.normal(4.6 + 2.6 * m, 1.2), 3.0, 10.0))
+    thickness = float(np.clip(rng.normal(4.3 + 2.9 * m, 1.0 + 0.2 * m), 3.0, 10.0))
     return {
         "start_mm": float(np.clip(rng.normal(17.5 - 1.5 * m, 2.4), 9.0, 22.0)),
         "end_mm": float(np.clip(rng.normal(51.0, 3.8), 42.0, 60.0)),

@@ -13,6 +13,7 @@ _BLOOD_LIMITS = (0.008, 0.062)
 _MELANIN_MEANS = (0.24, 0.030, 0.0080)
 """Of African, Asian and European ancestry, set so that the typology angles of cheeks have medians
 of about -25, 28 and 36 degrees (faces are some 10 degrees darker than arms are)."""
+_SEX = 0.15  # of the logarithm: 2 to 4 percent of reflectance between the sexes
 _BLOOD_MEAN = 0.022
 _MOST_FLUSH = 0.6  # a cheek of more is a clown's
 
@@ -44,11 +45,17 @@ class Complexion(TypedDict):
     sides: float
 
 
-def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Complexion:
+def sample_complexion(
+    rng: Generator, *, masculinity: float, age: float, ancestry: ArrayLike
+) -> Complexion:
     """Draw the pigments of a person's skin.
+
+    Women are lighter than men everywhere (Jablonski and Chaplin, "The evolution of human skin
+    coloration", J. Hum. Evol. 39, 2000).
 
     Args:
         rng: Source of randomness.
+        masculinity: 0 (female) to 1 (male).
         age: 0 (25 years) to 1 (old): darker circles under the eyes, uneven pigment, paler lips.
         ancestry: ``(3,)`` shares of African, Asian and European ancestry, summing to 1.
 
@@ -57,7 +64,7 @@ def sample_complexion(rng: Generator, *, age: float, ancestry: ArrayLike) -> Com
     """
     shares = np.asarray(ancestry, dtype=np.float64)
     mean = shares @ np.log(_MELANIN_MEANS)
-    melanin = np.exp(mean + rng.normal(0.0, 0.58))
+    melanin = np.exp(mean + _SEX * (2.0 * masculinity - 1.0) + rng.normal(0.0, 0.58))
     blood = _BLOOD_MEAN * np.exp(rng.normal(0.0, 0.65))
     flush = float(np.exp(rng.normal(0.0, 0.6)))
     return {

@@ -54,7 +54,7 @@ def sample_lips(rng: Generator, *, masculinity: float, melanin: float) -> Lips:
         Plain numbers.
     """
     dark = float(np.clip(np.log(melanin / 0.03) / 2.0, 0.0, 1.0))
-    least, most = 1.2 - 0.5 * masculinity, 2.0 - 0.7 * masculinity
+    least, most = 1.3 - 0.5 * masculinity, 2.1 - 0.7 * masculinity
     return {
         "blood": float(rng.uniform(least, most)) * (1 - 0.25 * dark),
         "melanin": float(rng.uniform(0.15, 0.5)) + dark * float(rng.uniform(-0.25, 0.35)),

@@ -35,8 +35,8 @@ _PERCENT = {
     -25: (12, -6, 7, -3, -2, 5, 0, -6),
     -37: (20, -1, -3, 0, 19, 14, 4, 1),
     -43: (8, -15, -1, -31, 6, 9, 1, 6),
-    -46: (-5, -45, -20, -36, -8, 4, -3, 8),
-    -49: (-58, -100, -37, -39, -19, 0, -6, 9),
+    -46: (-5, -20, -10, -36, -8, 4, -3, 8),
+    -49: (-35, -50, -30, -39, -19, 0, -6, 9),
     -55: (-41, -29, -17, -27, -44, -12, -5, 12),
     -61: (-21, -13, -15, -15, -52, -15, 5, 9),
     -79: (14, -7, -8, 13, 1, -4, 5, 19),
@@ -57,12 +57,14 @@ class _Shade(NamedTuple):
         size: Standard deviation across, mm.
         sd: Between people, of the logarithm of luminance where it is strongest.
         mean: Of what is too fine for :data:`_PERCENT`.
+        deepest: The greatest z on the template, mm: what lies before it is no part of the place.
     """
 
     path: tuple[tuple[float, float], ...]
     size: float
     sd: float
     mean: float = 0.0
+    deepest: float = np.inf
 
 
 _SHADES = {
@@ -84,8 +86,8 @@ _SHADES = {
     "flank": _Shade(((9.0, 4.0), (8.5, -18.0)), 3.5, 0.14),
     "ridge": _Shade(((0.0, -8.0), (0.0, -30.0)), 3.0, 0.14),
     "tip": _Shade(((0.0, -37.5),), 4.5, 0.08),
-    "nostril": _Shade(((6.5, -48.5), (10.5, -48.0)), 1.3, 0.50, -0.5),
-    "below_nose": _Shade(((0.0, -52.0), (9.0, -51.5)), 3.0, 0.22),
+    "nostril": _Shade(((7.5, -45.5), (11.5, -45.0)), 1.7, 0.30, -1.2, 20.5),
+    "below_nose": _Shade(((0.0, -52.0), (9.0, -51.5)), 3.0, 0.18),
     "wing": _Shade(((17.5, -38.0), (21.0, -40.0), (23.2, -44.0), (22.0, -49.0)), 1.3, 0.25, -0.25),
     "nasolabial": _Shade(((24.0, -48.0), (30.0, -57.0), (33.5, -66.0)), 3.2, 0.22),
     "apple": _Shade(((34.0, -37.0),), 7.5, 0.13),
@@ -236,6 +238,8 @@ def _draw(shade: _Shade, position: FloatMap) -> _Weight:
     outer = _box(near & (z > -48.0))
     squares = _squared_distance(np.stack([x[outer], y[outer]], axis=-1), path)
     values = np.exp(-0.5 * squares / shade.size**2) * smoothstep(-48.0, -32.0, z[outer])
+    if np.isfinite(shade.deepest):
+        values = values * smoothstep(shade.deepest + 1.0, shade.deepest - 1.0, z[outer])
     inner = _box(values > 0.01)
     box = tuple(
         slice(around.start + own.start, around.start + own.stop)

@@ -10,7 +10,7 @@ from lrsr.identities.skin.beard import Beard, beard_mask, beard_zones
 from lrsr.identities.skin.canvas import FloatMap
 from lrsr.identities.skin.regions import blob
 
-_ROUGHNESS_LIMITS = (0.26, 0.75)
+_ROUGHNESS_LIMITS = (0.30, 0.75)
 """Square roots of the slopes α: 0.08 is wet, 0.56 powdery."""
 
 
@@ -42,8 +42,8 @@ def sample_sheen(rng: Generator, *, age: float) -> Sheen:
     """
     oiliness = rng.normal(0.0, 1.0)
     return {
-        "roughness": float(np.clip(0.50 - 0.045 * oiliness + 0.03 * age, 0.38, 0.65)),
-        "t_zone": float(-np.clip(0.09 + 0.035 * oiliness + rng.normal(0.0, 0.02), 0.02, 0.17)),
+        "roughness": float(np.clip(0.50 - 0.045 * oiliness + 0.03 * age, 0.42, 0.65)),
+        "t_zone": float(-np.clip(0.08 + 0.03 * oiliness + rng.normal(0.0, 0.02), 0.01, 0.13)),
         "lips": float(-np.clip(rng.normal(0.13 - 0.05 * age, 0.05), 0.0, 0.22)),
         "patchiness": float(rng.uniform(0.02, 0.05)),
     }
@@ -62,7 +62,7 @@ class SheenPainter:
         forehead = blob(position, (0.0, 46.0, 10.0), (30.0, 18.0, 40.0))
         cheekbones = blob(position, (40.0, -21.0, -8.0), (13.0, 9.0, 25.0))
         lids = blob(position, (31.0, 4.0, 0.0), (12.0, 5.0, 20.0))
-        oily = nose + forehead + np.float32(0.8) * cheekbones + np.float32(0.6) * lids
+        oily = nose + forehead + np.float32(0.5) * cheekbones + np.float32(0.6) * lids
         self._t_zone = np.minimum(oily, np.float32(1)) * (1 - lips)
         chin = blob(position, (0.0, -102.0, 6.0), (20.0, 12.0, 25.0))
         jaws = blob(position, (55.0, -55.0, -30.0), (18.0, 25.0, 40.0))

@@ -8,6 +8,7 @@ from lrsr.identities.gate.anthropometry import (
     _LIMIT_SD,
     PROPORTIONS,
     Sex,
+    brow_rise_degrees,
     limits,
     measure_crookedness,
     measure_lengths,
@@ -141,6 +142,16 @@ def test_a_head_turned_in_the_picture_plane_has_a_canted_mouth() -> None:
     assert measure_crookedness(skin() @ turn.T)[
         "crooked: cant of the mouth, degrees"
     ] == pytest.approx(7.0)
+
+
+def test_a_brow_rises_by_what_the_head_is_turned_in_the_picture_plane() -> None:
+    angle = np.radians(7.0)
+    turn = np.array(
+        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+    )
+    left, right = brow_rise_degrees(skin())
+    assert left == pytest.approx(right, abs=1e-3)
+    assert brow_rise_degrees(skin() @ turn.T) == pytest.approx((left + 7.0, right - 7.0))
 
 
 def test_a_sheared_head_has_its_mouth_aside() -> None:

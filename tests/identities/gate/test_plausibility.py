@@ -69,6 +69,23 @@ def mirrored_cheek() -> Points:
     return moved
 
 
+def raised_brows(mm: float) -> Points:
+    """The template with the middle of both brows raised, or lowered."""
+    moved = skin()
+    for side in (-1.0, 1.0):
+        away = np.linalg.norm(moved - (side * 36.7, 18.2, 5.4), axis=1)
+        moved[:, 1] += mm * np.exp(-0.5 * (away / 6.0) ** 2)
+    return moved
+
+
+def jowls() -> Points:
+    moved = skin()
+    for side in (-1.0, 1.0):
+        away = np.linalg.norm(moved - (side * 66.0, -45.0, -48.0), axis=1)
+        moved[:, 0] += side * 6.0 * np.exp(-0.5 * (away / 14.0) ** 2)
+    return moved
+
+
 def narrow() -> Points:
     return skin() * (0.75, 1.0, 1.0)
 
@@ -88,6 +105,13 @@ MONSTERS: dict[str, tuple[Callable[[], Points], str]] = {
     "endless chin": (lambda: pushed(CHIN, (0, -60, 0), 25), "proportion: face height, mm"),
     "duck": (lambda: scaled(MOUTH, (1, 2.2, 1), 25), "proportion: lower vermilion, mm"),
     "tiny mouth": (lambda: scaled(MOUTH, (0.2, 1, 1), 25), "proportion: mouth to face width, %"),
+    "swollen lips": (
+        lambda: scaled(MOUTH, (0.8, 1.45, 1), 25),
+        "mouth: height of both lips to its width, %",
+    ),
+    "jowls": (jowls, "cheeks: width to that of the face, %"),
+    "frown": (lambda: raised_brows(9.0), "brows: rise from nose to middle, degrees"),
+    "sad clown": (lambda: raised_brows(-9.0), "brows: rise from nose to middle, degrees"),
     "narrow": (narrow, "proportion: face width, mm"),
     "crooked": (crooked, "crooked: mouth off the middle, mm"),
     "collapsed nostrils": (collapsed_nostrils, "nose: walls that cross, pairs"),
