@@ -216,9 +216,9 @@ def brow_rise_degrees(skin: Points) -> tuple[float, float]:
     vertex = _landmark_vertices()
 
     def rise(side: str) -> float:
-        across, up, _ = skin[vertex[f"{side} middle of the brow"]] - skin[
-            vertex[f"{side} inner brow"]
-        ]
+        across, up, _ = (
+            skin[vertex[f"{side} middle of the brow"]] - skin[vertex[f"{side} inner brow"]]
+        )
         return math.degrees(math.atan2(up, abs(across)))
 
     return rise("left"), rise("right")

@@ -139,7 +139,9 @@ def _check_proportions(skin: Points, eyes: Eyes, sex: Sex) -> list[str]:
     values = proportions(lengths)
     lips = lengths["upper vermilion"] + lengths["lower vermilion"]
     measured = {
-        "cheeks: width to that of the face, %": 100.0 * lengths["cheek width"] / lengths["face width"],
+        "cheeks: width to that of the face, %": 100.0
+        * lengths["cheek width"]
+        / lengths["face width"],
         "mouth: height of both lips to its width, %": 100.0 * lips / lengths["mouth width"],
     }
     allowed = {name: _LIMITS[name] for name in measured}

@@ -23,11 +23,25 @@ def test_melanins_median_follows_ancestry(
     ancestry: tuple[float, float, float], melanin: float
 ) -> None:
     rng = np.random.default_rng(0)
-    drawn = [sample_complexion(rng, age=0.3, ancestry=ancestry)["melanin"] for _ in range(1600)]
+    drawn = [
+        sample_complexion(rng, masculinity=0.5, age=0.3, ancestry=ancestry)["melanin"]
+        for _ in range(1600)
+    ]
     # the median of 1600 draws of spread 0.58 in the logarithm: 4 standard errors are 7.3 %
     assert np.median(drawn) == pytest.approx(melanin, rel=0.075)
     assert min(drawn) >= MELANIN_LIMITS[0]
     assert max(drawn) <= MELANIN_LIMITS[1]
+
+
+def test_women_are_lighter_than_men_of_the_same_chance() -> None:
+    woman, man = (
+        sample_complexion(
+            np.random.default_rng(3), masculinity=degree, age=0.3, ancestry=(0.4, 0.3, 0.3)
+        )
+        for degree in (0.0, 1.0)
+    )
+    assert woman["melanin"] == pytest.approx(man["melanin"] * np.exp(-0.30))
+    assert {**woman, "melanin": 0.0} == {**man, "melanin": 0.0}
 
 
 @pytest.mark.parametrize(
@@ -45,7 +59,10 @@ def test_cheeks_are_as_light_as_those_of_people(
 
 def test_blood_keeps_within_its_limits() -> None:
     rng = np.random.default_rng(0)
-    drawn = [sample_complexion(rng, age=0.3, ancestry=(0, 0, 1))["blood"] for _ in range(400)]
+    drawn = [
+        sample_complexion(rng, masculinity=0.5, age=0.3, ancestry=(0, 0, 1))["blood"]
+        for _ in range(400)
+    ]
     assert min(drawn) >= _BLOOD_LIMITS[0]
     assert max(drawn) <= _BLOOD_LIMITS[1]
     assert np.median(drawn) == pytest.approx(0.022, rel=0.1)
@@ -56,7 +73,7 @@ def test_circles_darken_with_age() -> None:
     young, old = (
         np.mean(
             [
-                sample_complexion(rng, age=age, ancestry=(0, 0, 1))["dark_circles"]
+                sample_complexion(rng, masculinity=0.5, age=age, ancestry=(0, 0, 1))["dark_circles"]
                 for _ in range(200)
             ]
         )
@@ -67,7 +84,9 @@ def test_circles_darken_with_age() -> None:
 
 def test_no_cheek_is_a_clowns() -> None:
     rng = np.random.default_rng(0)
-    drawn = [sample_complexion(rng, age=0.3, ancestry=(0, 0, 1)) for _ in range(500)]
+    drawn = [
+        sample_complexion(rng, masculinity=0.5, age=0.3, ancestry=(0, 0, 1)) for _ in range(500)
+    ]
     assert max(person["cheeks"] for person in drawn) < 0.6
     assert np.std([person["cheeks"] for person in drawn]) > 0.1
 
@@ -75,6 +94,6 @@ def test_no_cheek_is_a_clowns() -> None:
 def test_everything_survives_json() -> None:
     rng = np.random.default_rng(0)
     drawn = [
-        sample_complexion(rng, age=0.5, ancestry=(0.2, 0.3, 0.5)),
+        sample_complexion(rng, masculinity=0.5, age=0.5, ancestry=(0.2, 0.3, 0.5)),
     ]
     assert json.loads(json.dumps(drawn)) == drawn
