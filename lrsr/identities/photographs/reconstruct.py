@@ -116,7 +116,7 @@ class Reconstruction:
         parts: tuple[Part, ...] = (
             Part(
                 "skin", "skin", skin, surface.faces, surface.uv, albedo,
-                maps.height, maps.roughness,
+                maps.height, np.ones_like(maps.roughness),  # the shine is painted
             ),
             *self.eyes,
             _folded_lashes(face),
