@@ -50,6 +50,12 @@ def test_a_head_has_the_topology_of_drawn_ones(head: Head) -> None:
     assert np.isfinite(head.parts[0].vertices).all()
 
 
+def test_skin_is_matt_because_its_shine_is_painted(head: Head) -> None:
+    roughness = head.part("skin").roughness
+    assert roughness is not None
+    assert (roughness == 1).all()
+
+
 def test_the_photograph_measures_as_it_looks(made: Reconstruction) -> None:
     quality = made.quality
     assert abs(quality.yaw_deg) < 8
