@@ -63,7 +63,7 @@ def test_the_photograph_measures_as_it_looks(made: Reconstruction) -> None:
     assert abs(quality.ipd_px - 42) < 1
     assert quality.score is not None
     assert quality.score > 0.99
-    assert quality.bridge_edge < 100
+    assert quality.glasses_edge < 70
     assert made.parted  # teeth are seen
     assert made.fit.units["mouthSmileLeft"] > 0.2
 
