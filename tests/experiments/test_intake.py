@@ -36,7 +36,7 @@ def look(folder: Path, filters: Filters, **refused: str) -> list[Told]:
 
 
 def test_what_was_found_on_a_photograph_is_remembered(tmp_path: Path, made: list[str]) -> None:
-    strict = Filters(most_bridge_edge=100.0)
+    strict = Filters(most_glasses_edge=100.0)
     first = look(tmp_path, strict)
     assert [one["filter"] for one in first] == ["", "", "glasses"]
     assert [one["who"] for one in first] == ["person 1", "person 2", "person 3"]
@@ -62,7 +62,7 @@ def test_who_is_refused_beforehand_is_not_looked_at(tmp_path: Path, made: list[s
 
 @pytest.mark.usefixtures("made")
 def test_people_and_a_table_of_all_photographs_are_written(tmp_path: Path) -> None:
-    write_people(tmp_path, look(tmp_path, Filters(most_bridge_edge=100.0)))
+    write_people(tmp_path, look(tmp_path, Filters(most_glasses_edge=100.0)))
     assert [one.id for one in read_photographed(tmp_path)] == ["person 1", "person 2"]
     with (tmp_path / "photographs.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))

@@ -191,7 +191,7 @@ GOOD = Quality(60.0, 1.0, 2.0, -3.0, 1.0, 1.0, 1.5, 0.8, 40.0, 0.6, 0.1, (0.0, 0
     [
         ({"least_ipd_px": 61.0}, "size"),
         ({"most_pitch_deg": 2.0}, "frontal"),
-        ({"most_bridge_edge": 39.0}, "glasses"),
+        ({"most_glasses_edge": 39.0}, "glasses"),
         ({"most_residual_mm": 1.0}, "fit"),
         ({"least_seen": 0.7}, "fit"),
         ({"least_score": 1.1}, "face"),

@@ -73,7 +73,7 @@ def test_who_cannot_become_a_head_is_counted_and_told(both: tuple[dict[str, Any]
     count = "10 photographs: 9 reconstructed, 1 refused, glasses 1"
     assert count in page
     assert results["config"]["heads"]["mugshots"] == count
-    assert results["config"]["heads"]["filters"]["most_bridge_edge"] == 100
+    assert results["config"]["heads"]["filters"]["most_glasses_edge"] == 70
     refused = {one["who"]: one["filter"] for one in results["photographs"] if one["why"]}
     assert refused == {"003": "glasses"}
 

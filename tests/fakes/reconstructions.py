@@ -30,7 +30,7 @@ def pretended(glasses: str) -> Iterator[list[str]]:
     def reconstruct(person: Photographed, _: int) -> SimpleNamespace:
         made.append(name := Path(person.file).stem)
         return SimpleNamespace(
-            quality=replace(_GOOD, bridge_edge=300.0) if name == glasses else _GOOD
+            quality=replace(_GOOD, glasses_edge=300.0) if name == glasses else _GOOD
         )
 
     face = Detection(np.zeros(4, np.float32), 1.0, points_of(32, 96).astype(np.float32))

@@ -14,15 +14,16 @@ Mask = NDArray[np.bool_]
 
 _IPD_PX = 50.0
 """Size at which people are cut out."""
-_ROUNDS = 3
+_ROUNDS = 5
 _HAIR_IPDS = 0.9
 """Beyond this distance from the head there is no hair."""
+_LIKELY_IPDS = 0.25
+"""Up to this distance there may well be: at first all of it counts as the person's, so that hair is
+not learned as a colour of the background."""
 _SURE_IPDS = 0.12
 """Inside the face by this, everything is the person."""
 _DEEP_IPDS = 0.35
 """Inside the fitted head by this, too: only near its edge can background come in."""
-_LEAST_CROWN = 0.5
-"""Share of the head above the face that is the person, at least."""
 _BELOW_IPDS = 0.3
 """Below the chin by this, clothes begin."""
 
@@ -45,12 +46,13 @@ def find_person(shot: Shot, covered: Mask, face: Mask) -> Mask:
 
     head, inner = small(covered | face), small(face)
     away = cv2.distanceTransform(1 - head, cv2.DIST_L2, 5) / ipd
-    deep = cv2.distanceTransform(inner, cv2.DIST_L2, 5) / ipd
+    deep, sure = (cv2.distanceTransform(part, cv2.DIST_L2, 5) / ipd for part in (head, inner))
     rows = np.flatnonzero(inner.any(axis=1))
     clothes = np.arange(size[1])[:, None] > rows.max(initial=0) + _BELOW_IPDS * ipd
-    strokes = np.where(head, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
+    likely = away < _LIKELY_IPDS
+    strokes = np.where(likely, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
     strokes[away > _HAIR_IPDS] = cv2.GC_BGD
-    strokes[deep > _SURE_IPDS] = cv2.GC_FGD
+    strokes[(deep > _DEEP_IPDS) | (sure > _SURE_IPDS)] = cv2.GC_FGD
     usable = ~np.broadcast_to(clothes, strokes.shape)
     if not ((strokes == cv2.GC_BGD) & usable).any() or not (strokes == cv2.GC_FGD).any():
         return covered | face
@@ -63,9 +65,4 @@ def find_person(shot: Shot, covered: Mask, face: Mask) -> Mask:
     cv2.grabCut(coded, cut, None, *models, _ROUNDS, cv2.GC_INIT_WITH_MASK)
     person = head.copy()
     person[:last] = np.isin(cut, (cv2.GC_FGD, cv2.GC_PR_FGD))
-    crown = (head > 0) & (np.arange(size[1])[:, None] < rows.min(initial=size[1]))
-    if person[crown].mean() < _LEAST_CROWN:  # hair around the head was taken for background
-        person[crown] = 1
-    inside = cv2.distanceTransform(head, cv2.DIST_L2, 5) / ipd
-    person[inside > _DEEP_IPDS] = 1
     return np.asarray(cv2.resize(person, (width, height), interpolation=cv2.INTER_LINEAR) > 0)

@@ -18,15 +18,18 @@ _ABOVE_MM = (22.0, 34.0)
 """From the brows on upwards the photograph is painted as it is."""
 _BESIDE_MM = (-30.0, -10.0)
 """Down to the ears it is where skin is hidden."""
+_HAIRLINE_MM = 62.0
 _SKULL_MM = 10.0
-_LEAST_TEXELS = 200 / 1024**2
+_RIM_IPDS = (0.05, 0.2)
+"""How deep inside the person, above the hairline, the rim lies that tells the crown's colour."""
 _FADES = 200 / 1024
-_BROWN = (0.05, 0.04, 0.03)
-"""Hair that nobody sees."""
 
 
 def paint_hair(skin: PhotographedSkin, shot: Shot, seen: Texels, person: NDArray[np.bool_]) -> Map:
     """Return the skin's albedo with hair painted on the skull: ``(S, S, 3)``.
+
+    What the photograph shows of the head above the brows is painted as it is. What it does not show
+    of the skull takes the colour of the rim of the crown, be it hair or the skin of a bald head.
 
     Args:
         skin: Bald.
@@ -36,25 +39,49 @@ def paint_hair(skin: PhotographedSkin, shot: Shot, seen: Texels, person: NDArray
     """
     size = len(seen.facing)
     _, y, z = np.moveaxis(zones(size).points, -1, 0)
-    deep = cv2.distanceTransform(person.astype(np.uint8), cv2.DIST_L2, 5) / shot.ipd_px
-    inside = smoothstep(*_INSIDE_IPDS, seen.sample(np.asarray(deep, np.float32)))
+    deep = _depth_ipds(shot, person)
+    rim = (deep > _RIM_IPDS[0]) & (deep < _RIM_IPDS[1]) & _above_hairline(shot)
+    if not rim.any():
+        return skin.albedo
     bald = 1 - skin.known
     grows = np.maximum(smoothstep(*_ABOVE_MM, y), skin.hidden * smoothstep(*_BESIDE_MM, y))
-    front = inside * seen.visible * smoothstep(*_FACING, seen.facing) * grows
-    front = (front * bald).astype(np.float32)
-    colour = np.clip(skin.lit * skin.gain, 0.003, 0.95)
-    above = y - 62 - np.minimum(0, z + 30) * np.float32(0.9)
+    front = smoothstep(*_INSIDE_IPDS, seen.sample(deep)) * smoothstep(*_FACING, seen.facing)
+    front = np.asarray(front * seen.visible * grows * bald, np.float32)
+    above = y - _HAIRLINE_MM - np.minimum(0, z + 30) * np.float32(0.9)
     skull = (smoothstep(-_SKULL_MM, _SKULL_MM, above) * bald)[..., None]
-    sure = front * (y > 60) * (front > 0.7)
-    if (sure > 0).mean() < _LEAST_TEXELS:
-        behind = np.broadcast_to(np.log(np.array(_BROWN, np.float32)), colour.shape)
-    else:
-        tones = np.log(colour)
-        median = np.median(tones[sure > 0], axis=0)
-        near = extended(tones, sure.astype(np.float32), blur=4 * size / 1024)
-        away = cv2.distanceTransform((sure <= 0).astype(np.uint8), cv2.DIST_L2, 5)
-        far = smoothstep(0.0, _FADES * size, np.asarray(away, np.float32))[..., None]
-        behind = near * (1 - far) + median * far
+    colour = np.clip(skin.lit * skin.gain, 0.003, 0.95)
+    crown = np.clip(np.median(shot.linear[rim], axis=0) * skin.gain, 0.003, 0.95)
+    cheeks = np.median(colour[zones(size).core], axis=0)
+    behind = _continued(np.log(colour), front, np.log(crown), np.log(cheeks))
     painted = skin.albedo * (1 - skull) + np.exp(behind) * skull
-    painted = painted * (1 - front[..., None]) + colour * front[..., None]
-    return np.asarray(painted, np.float32)
+    return np.asarray(painted * (1 - front[..., None]) + colour * front[..., None], np.float32)
+
+
+def _continued(tones: Map, front: Map, crown: Map, cheeks: Map) -> Map:
+    """Continue the hair that is seen into the crown's colour, logarithms: ``(S, S, 3)``.
+
+    What is seen is hair where its colour is nearer to the crown's than to that of the cheeks.
+    """
+    hair = np.linalg.norm(tones - crown, axis=-1) < np.linalg.norm(tones - cheeks, axis=-1)
+    sure = ((front > 0.7) & hair).astype(np.float32)
+    if not sure.any():
+        return np.broadcast_to(crown, tones.shape)
+    near = extended(tones, sure, blur=4 * len(tones) / 1024)
+    away = cv2.distanceTransform((sure <= 0).astype(np.uint8), cv2.DIST_L2, 5)
+    far = smoothstep(0.0, _FADES * len(tones), np.asarray(away, np.float32))[..., None]
+    return np.asarray(near * (1 - far) + crown * far, np.float32)
+
+
+def _depth_ipds(shot: Shot, person: NDArray[np.bool_]) -> Map:
+    """Return how deep inside the person, who ends with the picture, each place is: ``(H, W)``."""
+    framed = np.pad(person.astype(np.uint8), 1)
+    deep = cv2.distanceTransform(framed, cv2.DIST_L2, 5)[1:-1, 1:-1]
+    return np.asarray(deep / shot.ipd_px, np.float32)
+
+
+def _above_hairline(shot: Shot) -> NDArray[np.bool_]:
+    """Return which places of the photograph ``(H, W)`` are higher on the head than hairlines."""
+    (foot, top), _ = shot.perspective.project(np.array([[0, _HAIRLINE_MM, 0], [0, 99.0, 0]]))
+    upwards = (top - foot) / np.linalg.norm(top - foot)
+    rows, columns = np.indices(shot.linear.shape[:2])
+    return np.asarray((columns - foot[0]) * upwards[0] + (rows - foot[1]) * upwards[1] > 0)

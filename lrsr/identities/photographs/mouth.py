@@ -30,8 +30,8 @@ _SLOPE = 0.3
 """How much farther back than aside the sheet leads from the lips,"""
 _BEHIND_MM = 2.0
 """at most so much: deeper, lips would throw on it the shade that the photograph has already;"""
-_DRAWN_BACK_MM = (0.0, 0.0, 4.0)
-"""and how much farther each ring is drawn back."""
+_DRAWN_BACK_MM = (0.0, 0.0, 0.5)
+"""and how much farther each ring is drawn back: hardly, or the halves would turn from the light."""
 _LIGHTEST = 0.95
 
 

@@ -18,6 +18,10 @@ its middle, 50 px below its top."""
 _EYES_PX = 50
 _BRIDGE = (slice(40, 70), slice(74, 86))
 """Rows and columns between the eyes where a pair of glasses has its bridge."""
+_RIMS = ((slice(66, 96), slice(28, 52)), (slice(66, 96), slice(108, 132)))
+"""Where it has its lower rims, under the left eye in the image and under the right one."""
+_DARKEST = 1 / 16
+"""Added to the brightness before its logarithm is taken."""
 _EDGE_BLUR_PX = 1.5
 _SHARP = 1.4
 """Up to how many px of the photograph one of the strip may span before it is blurred."""
@@ -37,7 +41,7 @@ class Quality:
         distance_m: Of the camera, weakly determined.
         residual_mm: Median distance of the points from where the face has them.
         strangeness: Root mean square of the components of shape, about 1 for drawn people.
-        bridge_edge: Strongest horizontal edge between the eyes; 100 and less without glasses.
+        glasses_edge: Of :func:`glasses_edge`; 70 and less without glasses.
         seen: Share of the skin of the face that is seen.
         unevenness: Spread of the logarithm of the skin's brightness that no smooth light explains.
         tint: Logarithms of red and blue of the light that was taken out, over its green.
@@ -51,7 +55,7 @@ class Quality:
     distance_m: float
     residual_mm: float
     strangeness: float
-    bridge_edge: float
+    glasses_edge: float
     seen: float
     unevenness: float
     tint: tuple[float, float]
@@ -66,7 +70,7 @@ class Filters:
         least_score: Of the landmark network.
         most_yaw_deg: To either side.
         most_pitch_deg: Up or down.
-        most_bridge_edge: Above it somebody wears glasses.
+        most_glasses_edge: Above it somebody wears glasses.
         most_residual_mm: Above it the face does not fit.
         most_strangeness: Above it nobody looks like that.
         least_seen: Below it too much is hidden.
@@ -79,7 +83,7 @@ class Filters:
     least_score: float | None = None
     most_yaw_deg: float | None = None
     most_pitch_deg: float | None = None
-    most_bridge_edge: float | None = None
+    most_glasses_edge: float | None = None
     most_residual_mm: float | None = None
     most_strangeness: float | None = None
     least_seen: float | None = None
@@ -91,14 +95,18 @@ class Filters:
     def refusal(self, quality: Quality) -> tuple[str, str] | None:
         """Return which filter refuses a photograph, and why in words; None: it is taken."""
         yaw, pitch = abs(quality.yaw_deg), abs(quality.pitch_deg)
-        edge, strange = quality.bridge_edge, quality.strangeness
+        edge, strange = quality.glasses_edge, quality.strangeness
         misfit = "no face of ours fits:"
         measures = {
             "ipd_px": ("size", quality.ipd_px, "{:.0f} px between the pupils"),
             "score": ("face", quality.score, "a face by {:.2f} only"),
             "yaw_deg": ("frontal", yaw, "turned aside by {:.0f} degrees"),
             "pitch_deg": ("frontal", pitch, "turned up or down by {:.0f} degrees"),
-            "bridge_edge": ("glasses", edge, "glasses: an edge of {:.0f} between the eyes"),
+            "glasses_edge": (
+                "glasses",
+                edge,
+                "glasses: edges of {:.0f} between and under the eyes",
+            ),
             "residual_mm": ("fit", quality.residual_mm, misfit + " off by {:.1f} mm"),
             "strangeness": ("fit", strange, misfit + " strange by {:.1f}"),
             "seen": ("fit", quality.seen, "hidden but for a share of {:.2f}"),
@@ -115,8 +123,11 @@ class Filters:
         return None
 
 
-def bridge_edge(srgb: Map, points_px: NDArray[np.float64]) -> float:
-    """Return the strongest horizontal edge between the eyes: Sobel, levels of 8 bits.
+def glasses_edge(srgb: Map, points_px: NDArray[np.float64]) -> float:
+    """Return how strong edges are where a pair of glasses has its bridge and its lower rims.
+
+    The strongest horizontal edge between the eyes, and that under the eye where it is weaker:
+    wrinkles, shades and noses seldom have both. Sobel, per cent of the brightness.
 
     Args:
         srgb: ``(H, W, 3)`` float32, [0, 1].
@@ -133,7 +144,8 @@ def bridge_edge(srgb: Map, points_px: NDArray[np.float64]) -> float:
     matrix = np.concatenate([turn, start[:, None]], axis=1)
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     strip = cv2.warpAffine(srgb, matrix, _STRIP_PX, flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    grey = cv2.cvtColor(np.asarray(strip * 255, np.float32), cv2.COLOR_RGB2GRAY)
-    smooth = cv2.GaussianBlur(grey, (0, 0), _EDGE_BLUR_PX)
-    edges = np.abs(cv2.Sobel(smooth, cv2.CV_32F, 0, 1)[_BRIDGE])
-    return float(edges.mean(axis=1).max())
+    grey = cv2.cvtColor(np.asarray(strip, np.float32), cv2.COLOR_RGB2GRAY)
+    smooth = cv2.GaussianBlur(np.log(np.maximum(grey, 0) + _DARKEST), (0, 0), _EDGE_BLUR_PX)
+    edges = np.abs(cv2.Sobel(np.asarray(smooth, np.float32), cv2.CV_32F, 0, 1))
+    bridge, *rims = (float(edges[part].mean(axis=1).max()) for part in (_BRIDGE, *_RIMS))
+    return 100 * (bridge + min(rims))

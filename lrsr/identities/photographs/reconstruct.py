@@ -38,7 +38,7 @@ from lrsr.identities.photographs.mouth import (
 )
 from lrsr.identities.photographs.outlines import FACE, filled
 from lrsr.identities.photographs.picture_file import Photograph
-from lrsr.identities.photographs.quality import Quality, bridge_edge
+from lrsr.identities.photographs.quality import Quality, glasses_edge
 from lrsr.identities.photographs.reconstructor import Reconstructor, shared_reconstructor
 from lrsr.identities.photographs.shot import Mesh, take_shot
 from lrsr.identities.photographs.skin import paint_photographed, plain_maps
@@ -116,7 +116,7 @@ class Reconstruction:
         parts: tuple[Part, ...] = (
             Part(
                 "skin", "skin", skin, surface.faces, surface.uv, albedo,
-                maps.height, maps.roughness,
+                maps.height, np.ones_like(maps.roughness),  # the shine is painted
             ),
             *self.eyes,
             _folded_lashes(face),
@@ -190,7 +190,7 @@ def reconstruct(
         distance_m=1 / perspective.nearness / 1000,
         residual_mm=float(np.median(fit.residual_mm)),
         strangeness=fit.strangeness,
-        bridge_edge=bridge_edge(srgb, found.points_px),
+        glasses_edge=glasses_edge(srgb, found.points_px),
         seen=painted.seen,
         unevenness=painted.unevenness,
         tint=painted.tint,

@@ -31,6 +31,16 @@ def test_background_over_the_crown_is_no_person(crown: tuple[float, float, float
     assert person[FITTED & ~RIGHT & (ROWS < 40)].mean() < 0.2
 
 
+def test_long_hair_around_the_fitted_head_is_no_background() -> None:
+    picture = shot((0.5, 0.3, 0.2))
+    fitted = np.hypot((COLUMNS - 120) / 48, (ROWS - 130) / 62) < 1
+    hair = (np.hypot((COLUMNS - 120) / 66, (ROWS - 120) / 90) < 1) & ~FACE & (ROWS < 190)
+    picture.linear[hair] = (0.03, 0.02, 0.02)
+    person = find_person(picture, fitted, FACE)
+    assert person[hair].mean() > 0.95
+    assert person[~hair & ~RIGHT & (ROWS < 190)].mean() < 0.1
+
+
 def test_a_head_that_fills_the_picture_is_all_person() -> None:
     everywhere = np.ones((SIZE, SIZE), bool)
     assert find_person(shot((0.5, 0.3, 0.2)), everywhere, FACE).all()

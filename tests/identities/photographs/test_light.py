@@ -94,6 +94,10 @@ def test_skin_under_white_light_is_left_alone() -> None:
     assert np.abs(light_colour(SKIN)).max() < 0.02
 
 
+def test_skin_whose_hue_a_tone_curve_made_stronger_is_not_tinted() -> None:
+    assert np.abs(light_colour(SKIN**1.5)).max() < 0.05
+
+
 @pytest.mark.parametrize("sign", [1, -1], ids=["orange", "blue"])
 def test_a_strong_tint_is_taken_out_for_the_most_part(sign: int) -> None:
     tint = sign * np.array([0.5, -0.8])

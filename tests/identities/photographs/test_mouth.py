@@ -11,7 +11,7 @@ from lrsr.identities.photographs.mouth import (
 )
 from lrsr.identities.photographs.outlines import LIP_GAP
 from lrsr.identities.photographs.perspective import Perspective
-from lrsr.identities.photographs.shot import take_shot
+from lrsr.identities.photographs.shot import Mesh, take_shot
 from lrsr.identities.shape.basis import load_basis
 from lrsr.identities.shape.position_map import cover
 from lrsr.identities.shape.topology import REGIONS
@@ -56,6 +56,15 @@ def test_the_sheet_meets_half_way_and_leaves_the_face_alone(
     assert np.ptp(lips) > 20
     assert np.diff(lips).max() > 5  # wide open
     assert np.diff(sheet).max() < 3  # and closed
+
+
+def test_the_sheet_faces_forwards_where_its_halves_meet(face: RestingFace) -> None:
+    smiling = load_basis().neutral.copy()
+    smiling[load_basis().column["unit/jawOpen"]] += 0.2
+    sheet = Mesh(skin_with_sheet(face, smiling), painted_faces(), load_basis().surface.uv)
+    inside = np.unique(mouth_faces())
+    middle = inside[np.abs(sheet.vertices[inside, 0]) < 15]
+    assert np.quantile(sheet.normals()[middle, 2], 0.2) > 0.3
 
 
 def test_no_two_painted_triangles_of_the_mouth_share_a_texel() -> None:

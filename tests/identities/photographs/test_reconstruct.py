@@ -50,6 +50,12 @@ def test_a_head_has_the_topology_of_drawn_ones(head: Head) -> None:
     assert np.isfinite(head.parts[0].vertices).all()
 
 
+def test_skin_is_matt_because_its_shine_is_painted(head: Head) -> None:
+    roughness = head.part("skin").roughness
+    assert roughness is not None
+    assert (roughness == 1).all()
+
+
 def test_the_photograph_measures_as_it_looks(made: Reconstruction) -> None:
     quality = made.quality
     assert abs(quality.yaw_deg) < 8
@@ -57,7 +63,7 @@ def test_the_photograph_measures_as_it_looks(made: Reconstruction) -> None:
     assert abs(quality.ipd_px - 42) < 1
     assert quality.score is not None
     assert quality.score > 0.99
-    assert quality.bridge_edge < 100
+    assert quality.glasses_edge < 70
     assert made.parted  # teeth are seen
     assert made.fit.units["mouthSmileLeft"] > 0.2
 
