@@ -87,6 +87,20 @@ def test_a_section_of_an_experiment_takes_no_more_than_it_has(word: str) -> None
         mended(word, command="eval")
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("recognition=arcface", "data=images"), "data=images: does not go with train=arcface; "),
+        (("sr=srcnn2x", "loss=identity"), "lrsr train train=srcnn2x has no loss to choose"),
+        (("sr=bicubic2",), "sr=bicubic2: no such option"),  # as it was typed
+    ],
+)
+def test_choices_that_do_not_go_together_are_refused(words: tuple[str, ...], says: str) -> None:
+    with pytest.raises(InputError) as refused:
+        mended(*words, command="train")
+    assert str(refused.value).startswith(says)
+
+
 def test_a_comma_parts_values_in_a_multirun_only() -> None:
     assert mended("out=a b,ü", sweep=True) == ['++out="a b","ü"']
     assert mended('out="a,b",c', sweep=True) == ['++out="a,b","c"']

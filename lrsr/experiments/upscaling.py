@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from lrsr import __version__
 from lrsr.configuration import as_word, require, whole_number, words
-from lrsr.errors import InputError, NonFiniteError
+from lrsr.errors import InputError
 from lrsr.experiments.made import RECORD, Made
 from lrsr.files import sweep
 from lrsr.paths import user_path
@@ -191,13 +191,13 @@ class Upscaling:
             if opacity is not None:
                 pixels = spread_colours(pixels, opacity)
             tiles = {"tile_px": self.tile_px, "around_px": self.around_px}
-            pixels = enlarge(self.upscaler, pixels, **tiles, done=done)
+            try:
+                pixels = enlarge(self.upscaler, pixels, **tiles, done=done)
+            except InputError as error:
+                raise InputError(f"{job.source}: {error}") from error
             if opacity is not None:
                 opacity = enlarge(Bicubic(self.upscaler.scale), opacity, tile_px=self.tile_px)
             return encode(pixels, opacity, header, format=job.format, quality=self.quality)
-        except NonFiniteError as error:
-            label = self.upscaler.label
-            raise InputError(f"{job.source}: {label}: {error}; choose another sr") from error
         except MemoryError as error:
             raise InputError(f"{job.source} does not fit into memory: make it smaller") from error
 

@@ -15,7 +15,7 @@ from typing import Any, cast
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
-from lrsr.files import write_json
+from lrsr.files import read_bytes, write_json
 from lrsr.identities.person import Person
 from lrsr.identities.photographs.person import HALVES, Photographed, Somebody, read_photographed
 from lrsr.identities.population import (
@@ -273,7 +273,7 @@ def _read_roster(path: Path) -> Roster:
             another recipe of heads; the message names the file and the remedy.
     """
     try:
-        content = json.loads(path.read_bytes())  # of any Unicode, with a mark or without
+        content = json.loads(read_bytes(path))  # of any Unicode, with a mark or without
     except (OSError, ValueError, RecursionError) as error:
         reason = getattr(error, "strerror", None) or "no JSON"
         raise InputError(f"cannot read {path}: {reason}; lrsr identities makes one") from error

@@ -8,7 +8,7 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
-from lrsr.files import write_bytes
+from lrsr.files import read_bytes, write_bytes
 from lrsr.identities.photographs.picture_file import decode
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
@@ -51,7 +51,7 @@ def read_file(path: Path) -> bytes:
     """
     check_name(path)
     try:
-        return path.read_bytes()
+        return read_bytes(path)
     except OSError as error:
         raise InputError(
             f"cannot read {path}: {error.strerror or error}; check the path and its rights"

@@ -17,6 +17,7 @@ from typing import Literal, get_args
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
+from lrsr.files import read_bytes
 from lrsr.images import resize_bicubic, scale_points
 from lrsr.pictures.folder import Entry, read_picture
 from lrsr.pictures.image_files import SUFFIXES
@@ -211,7 +212,7 @@ def _read_pos(file: Path) -> tuple[float, ...]:
 
 def _lines(file: Path) -> list[str]:
     try:
-        return file.read_text(encoding="utf-8", errors="replace").splitlines()
+        return read_bytes(file).decode("utf-8-sig", errors="replace").splitlines()
     except OSError as error:
         raise InputError(f"cannot read {file}: {error.strerror or error}; mend it") from error
 

@@ -57,9 +57,8 @@ class Embedder:
             return np.empty((0, self.contract.dimension), dtype=np.float32)
         inputs = self._normalise(check_srgb(crops, name="crops"))
         size, output = self.batch_size, self.contract.name
-        return _unit_rows(
-            run_session(self._session, self.model, inputs, batch_size=size, output=output)
-        )
+        rows = run_session(self._session, self.model, inputs, batch_size=size, output=output)
+        return _unit_rows(rows)
 
     def _normalise(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Turn srgb [0, 1] into what the contract declares."""

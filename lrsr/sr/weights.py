@@ -17,7 +17,7 @@ from safetensors.torch import save as save_tensors
 from torch import nn
 
 from lrsr.errors import InputError
-from lrsr.files import write_bytes
+from lrsr.files import why_no_file, write_bytes
 from lrsr.sr.networks import NETWORKS
 from lrsr.sr.networks.network import Network
 
@@ -127,8 +127,8 @@ def read_weights(path: Path) -> tuple[Network, Card]:
     Raises:
         InputError: The file is missing, broken, of another network, or holds a NaN.
     """
-    if not path.is_file():
-        raise InputError(f"no weights at {path}: give a .safetensors or .ckpt file of lrsr train")
+    if why := why_no_file(path):
+        raise InputError(f"{path} {why}: give a .safetensors or .ckpt file of lrsr train")
     tensors, text = _of_checkpoint(path) if path.suffix == ".ckpt" else _of_safetensors(path)
     try:
         card = Card.from_text(text)
@@ -149,6 +149,8 @@ def read_checkpoint(path: Path) -> dict[str, Any]:
         checkpoint = torch.load(path, map_location="cpu", weights_only=True)
     except Exception as error:  # broken bytes make the unpickler raise nearly anything
         reason = " ".join(str(error).split())[:200]
+        if "weights_only" in reason:  # torch's advice is to trust the file
+            reason = "it is broken, or holds more than numbers and words"
         raise InputError(f"{path} is no checkpoint of lrsr train: {reason}") from error
     if not isinstance(checkpoint, dict) or not isinstance(checkpoint.get("state_dict"), dict):
         raise InputError(f"{path} is no checkpoint of lrsr train: it holds no state_dict")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from lrsr.errors import InputError
+from lrsr.files import read_bytes
 from lrsr.sr.weights import read_checkpoint
 from lrsr.training.precision import choose_precision
 
@@ -97,7 +98,7 @@ def forget(folder: Path) -> None:
 def _begun(path: Path) -> dict[str, Any] | None:
     """Return what a run that has no checkpoint yet depends on; None if there is no such run."""
     try:
-        begun: dict[str, Any] | None = json.loads(path.read_text()).get("settings")
+        begun: dict[str, Any] | None = json.loads(read_bytes(path)).get("settings")
     except (OSError, ValueError, AttributeError):
         return None
     return begun

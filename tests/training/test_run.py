@@ -31,7 +31,7 @@ from lightning.pytorch import LightningDataModule
 from lightning.pytorch.loggers import CSVLogger
 from skimage.metrics import peak_signal_noise_ratio
 
-from lrsr.errors import InputError, NonFiniteError
+from lrsr.errors import DivergenceError, InputError, NonFiniteError
 from lrsr.images import luminance
 from lrsr.recognition import Engine
 from lrsr.sr import load_upscaler
@@ -405,7 +405,7 @@ def test_nan_in_a_patch_stops_the_run_and_says_where(pairs: SyntheticPairs, tmp_
 def test_diverging_weights_stop_the_run_and_name_the_learning_rate(
     pairs: SyntheticPairs, tmp_path: Path
 ) -> None:
-    with pytest.raises(NonFiniteError, match=r"at epoch \d+.*lower the learning rate"):
+    with pytest.raises(DivergenceError, match=r"at epoch \d+.*lower the learning rate"):
         run(pairs, tmp_path, epochs=3, module=make_srcnn(lr=1e30))
 
 
