@@ -64,7 +64,7 @@ def _coded(words: str, unknown: Iterable[str]) -> str:
 
 def _usual_font() -> str:
     """Return the file of the font that figures are written in."""
-    return findfont(FontProperties(family=["sans-serif"]))
+    return str(findfont(FontProperties(family=["sans-serif"])))
 
 
 @cache

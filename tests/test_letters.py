@@ -5,7 +5,7 @@ import warnings
 
 import pytest
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontEntry
+from matplotlib.font_manager import FontEntry, fontManager
 
 from lrsr import letters
 from lrsr.letters import _coded, _usual_font, write_any_script
@@ -51,7 +51,7 @@ def test_another_font_that_is_installed_writes_the_rest(caplog: pytest.LogCaptur
 def test_what_no_font_has_is_told_by_its_code_and_once(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(letters.fontManager, "ttflist", [])
+    monkeypatch.setattr(fontManager, "ttflist", [])
     with caplog.at_level(logging.WARNING), warnings.catch_warnings(action="error"):
         figures = [figure_of("王 芳 / Müller") for _ in range(2)]
         for figure in figures:
@@ -71,7 +71,7 @@ def test_fonts_of_boxes_and_broken_ones_write_nothing(monkeypatch: pytest.Monkey
         FontEntry(fname=usual, name="Bold Sans", weight=700),
         FontEntry(fname="/no/such.ttf", name="Gone Sans", weight=400),
     ]
-    monkeypatch.setattr(letters.fontManager, "ttflist", fonts)
+    monkeypatch.setattr(fontManager, "ttflist", fonts)
     assert letters._fonts_with(frozenset("a")) == ([], frozenset("a"))
 
 

@@ -78,7 +78,7 @@ def _refuse_others(config: "DictConfig") -> None:
     from omegaconf import OmegaConf
 
     files = {name: config_folder() / "data" / f"{name}.yaml" for name in presets("data")}
-    kinds = {OmegaConf.load(file)["_target_"]: name for name, file in files.items()}
+    kinds = {OmegaConf.select(OmegaConf.load(p), "_target_"): name for name, p in files.items()}
     fits = getattr(get_class(config.module["_target_"]), "lessons", (*files,))
     name = kinds.get(config.data["_target_"])  # somebody's own lessons have none
     wish = f"{' or '.join(fits)}, from which this network learns"

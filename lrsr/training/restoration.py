@@ -59,7 +59,7 @@ class Restoration(Learner):
     """
 
     monitor = "val/psnr_y_db"
-    lessons = ("rendered", "images", "mixed")
+    lessons: ClassVar[tuple[str, ...]] = ("rendered", "images", "mixed")
     inputs: ClassVar[tuple[str, ...]] = ("luminance", "rgb")
     """What its networks may take."""
     free: ClassVar[Mapping[int, str]] = MappingProxyType({0: "N", 2: "H", 3: "W"})

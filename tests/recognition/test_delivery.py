@@ -9,7 +9,7 @@ from fakes.server import Server
 
 from lrsr.errors import InputError
 from lrsr.onnx import sha256_of
-from lrsr.recognition import addition, delivery
+from lrsr.recognition import addition, delivery, registry
 from lrsr.recognition.addition import add
 from lrsr.recognition.contract import read_contract
 from lrsr.recognition.delivery import Wish, pull
@@ -104,7 +104,7 @@ def test_a_name_that_is_nobodys_is_refused(server: Server, folder: Path) -> None
 def test_another_model_of_that_name_is_left_alone(
     server: Server, folder: Path, net: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    known = addition.sources
+    known = registry.sources
     monkeypatch.setattr(addition, "sources", dict)
     small = write_tones(net.parent / "small.onnx", side=56)
     add(small, "insightface", name="net")
