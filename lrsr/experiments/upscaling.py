@@ -109,7 +109,7 @@ class Upscaling:
             progress: Show a bar.
 
         Raises:
-            InputError: There are no pictures.
+            InputError: There are no pictures, or a finished one cannot be written.
             ExceptionGroup: Of InputErrors: some were refused; all others are finished.
         """
         made, made_by = Made(folder), self.describe()
@@ -131,10 +131,11 @@ class Upscaling:
                         continue
                     made.check_free(job.target)
                     larger = self._enlarged(job, content, bar.update)
-                    made.write(job.target, larger, job.source, content, made_by)
-                    enlarged += 1
                 except InputError as error:
                     refused.append(error)
+                    continue
+                made.write(job.target, larger, job.source, content, made_by)  # or all stops
+                enlarged += 1
         told = "%d pictures enlarged, %d were so before, %d refused"
         logger.info(told, enlarged, as_before, len(refused))
         if refused:
