@@ -161,9 +161,12 @@ def _build(card: Card, tensors: Mapping[str, torch.Tensor]) -> Network:
     """Make the network and try it on a small picture.
 
     Raises:
-        InputError: A weight is not finite, or the picture comes back in another size.
+        InputError: A weight is no finite real number, or the picture comes back in another size.
     """
     network = blank_network(card)
+    for name, tensor in tensors.items():
+        if tensor.is_complex() or tensor.dtype == torch.bool:
+            raise InputError(f"{name} holds {tensor.dtype}, wanted real numbers")
     plain = torch.contiguous_format  # training may keep them otherwise, which rounds otherwise
     state = {name: t.float().clone(memory_format=plain) for name, t in tensors.items()}
     network.load_state_dict(state, assign=True)
@@ -193,5 +196,5 @@ def _of_checkpoint(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str,
     card = checkpoint.get("card")
     if not isinstance(card, dict):
         raise InputError(f"{path} is no checkpoint of lrsr train sr=...: it holds no card")
-    state, prefix = checkpoint["state_dict"], "network."
+    prefix, state = "network.", {str(k): v for k, v in checkpoint["state_dict"].items()}
     return {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}, card

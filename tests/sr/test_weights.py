@@ -131,6 +131,15 @@ def test_a_card_of_another_scale_than_its_network_is_refused(tmp_path: Path) -> 
         read_weights(tmp_path / "w.safetensors")
 
 
+@pytest.mark.parametrize("dtype", [torch.complex64, torch.bool])
+def test_weights_that_are_no_real_numbers_are_refused(tmp_path: Path, dtype: torch.dtype) -> None:
+    checkpoint = checkpoint_of(SRCNN(), CARD)
+    state = {name: weight.to(dtype) for name, weight in checkpoint["state_dict"].items()}
+    torch.save(checkpoint | {"state_dict": state | {7: torch.zeros(1)}}, tmp_path / "w.ckpt")
+    with pytest.raises(InputError, match=rf"holds {dtype}, wanted real numbers"):
+        read_weights(tmp_path / "w.ckpt")
+
+
 def test_tensors_of_another_shape_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "w.safetensors"
     save_file({"extract.weight": torch.zeros(3)}, path, metadata=HEADER)
