@@ -55,7 +55,9 @@ def _mendable(error: Exception, words: Sequence[str]) -> str | None:
 def _of_hydra(error: Exception) -> str:
     if gone := re.search(r"Could not find '(.+)/(\w+)'\n.*\n\s*(.*)", str(error)):  # its own group
         return f"{gone[1]}={gone[2]}: not installed; there is {gone[3]}"
-    return f"{_one_line(error)} (--cfg job prints every setting)"
+    place = getattr(error, "full_key", None)
+    where = f"{place}: " if place and place not in str(error).splitlines()[0] else ""
+    return f"{where}{_one_line(error)} (--cfg job prints every setting)"
 
 
 def _behind(error: BaseException | None, *, contexts: bool) -> Iterator[BaseException]:

@@ -50,6 +50,13 @@ _PATHS = {
     "scores",
     "generic_scores",
     "real_scores",
+    "files",
+    "ages",
+    "generator",
+    "boundaries",
+    "annotations",
+    "galleries",
+    "probes",
     "probe",
     "enrolled",
     "reconstructor",
@@ -58,7 +65,7 @@ _PATHS = {
 _FOLDERS = ("gallery", "probes")
 """Sections whose ``folder`` may be given as if it were all of them."""
 _WITH_FOLDERS = ("eval", "demo")
-_LISTS = {"images"}
+_LISTS = {"images", "files", "galleries"}
 """Paths that may be several: [a,b] is a list."""
 _QUOTED = r'"(?:[^"\\]|\\.)*"|' + r"'(?:[^'\\]|\\.)*'"
 _WORD = re.compile(r"(~|\+{0,2})([^=@]*)(@[^=]*)?(?:=(.*))?", re.DOTALL)
@@ -292,7 +299,7 @@ def _readable(word: _Word, sweep: bool) -> str:
 
     kind, text = "", word.value
     is_path = word.key.rpartition(".")[2] in _PATHS
-    if word.key in _LISTS and re.fullmatch(r"\[.*\]", text, re.DOTALL):
+    if word.key.rpartition(".")[2] in _LISTS and re.fullmatch(r"\[.*\]", text, re.DOTALL):
         is_path = False
     try:
         kind = _kind(text)

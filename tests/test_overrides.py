@@ -41,6 +41,16 @@ def test_a_path_is_what_was_typed(text: str) -> None:
         assert value(word) == text
 
 
+@pytest.mark.parametrize("text", ["2024.10", "007", "1e3", "null2", "[a", "nan"])
+def test_a_path_of_digits_stays_what_was_typed(text: str) -> None:
+    for command, key in (("score", "files"), ("reconstruct", "ages"), ("generate", "generator")):
+        assert value(mended(f"{key}={text}", command=command)[-1]) == text
+
+
+def test_a_list_of_paths_is_one() -> None:
+    assert value(mended("files=[a.csv,b.csv]", command="score")[0]) == ["a.csv", "b.csv"]
+
+
 def test_no_path_is_null_and_quotes_can_be_the_users() -> None:
     assert value(mended("identities.roster=null")[0]) is None
     assert value(mended('out="größe (1)"')[0]) == "größe (1)"

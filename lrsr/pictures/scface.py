@@ -180,11 +180,13 @@ def _read_coordinates(file: Path) -> Iterator[tuple[str, tuple[float, ...]]]:
     """Yield name and landmarks of every line that has a picture's name and eight numbers.
 
     Raises:
-        InputError: The file cannot be read, or what follows a name is no number.
+        InputError: The file cannot be read, or what follows a name is no number such as 8.5.
     """
     for number, line in enumerate(_lines(file), start=1):
         words = line.replace(",", " ").replace(";", " ").split()
         stem = words[0].partition(".")[0].lower() if words else ""
+        if len(words) == 17 and "," in line and _NAME.fullmatch(stem):
+            raise InputError(f"{file}, line {number}: decimal commas; save it with decimal points")
         if len(words) == 9 and _NAME.fullmatch(stem):
             values = _numbers(words[1:], file, number)
             yield (
