@@ -33,6 +33,7 @@ def check_file(path: Path) -> Path:
     Raises:
         OSError: It is something else, or not there.
     """
+    path = Path(path)  # a notebook may give a word
     kind = _NO_FILES.get(stat.S_IFMT(path.stat().st_mode))
     if kind is not None:
         raise OSError(errno.EINVAL, f"{kind}, not a file", str(path))
@@ -130,6 +131,7 @@ def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
     """
     temporary: Path | None = None
     lock: int | None = None
+    path = Path(path)  # a notebook may give a word
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         temporary, lock = _locked_part(path)

@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
 
-from lrsr.configuration import require
+from lrsr.configuration import as_list, as_whole, require
 from lrsr.errors import InputError
 from lrsr.files import read_bytes, write_json
 from lrsr.identities.person import Person
@@ -168,7 +168,11 @@ class IdentityRange:
 
     def __post_init__(self) -> None:
         for name in ("ancestry", "age_years"):  # a configuration hands out lists
-            object.__setattr__(self, name, tuple(getattr(self, name)))
+            given = as_list(getattr(self, name), f"identities.{name}")
+            object.__setattr__(self, name, tuple(given))
+        for name in ("start", "count"):
+            whole = as_whole(getattr(self, name), f"identities.{name}")
+            object.__setattr__(self, name, whole)
         require(self.split in SPLITS, "identities.split", self.split, f"one of {', '.join(SPLITS)}")
         last = LARGEST_INDEX - self.count + 1
         require(self.count >= 1, "identities.count", self.count, "at least 1")

@@ -156,6 +156,7 @@ def read_folder(folder: Path) -> list[Entry]:
     Raises:
         InputError: There is no such folder, no picture in it, or its manifest cannot be used.
     """
+    folder = Path(folder)  # a notebook may give a word
     if not folder.is_dir():
         raise InputError(f"{folder} is no folder: give one that holds pictures")
     if (folder / MANIFEST).exists():

@@ -25,14 +25,14 @@ class Embedder:
     """
 
     def __init__(self, model: Path, *, batch_size: int = 64, device: str = "cpu") -> None:
-        self.model = model
-        self.contract: Contract = read_contract(model)
+        self.model = Path(model)  # a notebook may give a word
+        self.contract: Contract = read_contract(self.model)
         self.batch_size = batch_size
-        self._session = open_session(model, providers_on(device))
+        self._session = open_session(self.model, providers_on(device))
         shape, dimension = self.contract.input_shape, self.contract.dimension
         words = f"float {self.contract.layout} {shape}", f"dimension {dimension}"
         ends = (None, *shape), (None, dimension)
-        check_graph(self._session, model, "an embedder", *ends, words, self.contract.name)
+        check_graph(self._session, self.model, "an embedder", *ends, words, self.contract.name)
 
     @property
     def providers(self) -> tuple[str, ...]:

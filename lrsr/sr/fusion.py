@@ -71,9 +71,9 @@ class Registering(ABC):
                 landmarks although the registration needs them.
             InputError: A network returned a NaN or an infinity.
         """
-        if getattr(srgb, "ndim", 0) != 5 or 0 in srgb.shape:
-            got = tuple(getattr(srgb, "shape", ()))
-            raise ImageContractError(f"bursts: got shape {got}, wanted (B, N, 3, H, W)")
+        if not isinstance(srgb, torch.Tensor) or srgb.ndim != 5 or 0 in srgb.shape:
+            got = f"{type(srgb).__name__} {tuple(getattr(srgb, 'shape', ()))}"
+            raise ImageContractError(f"bursts: got {got}, wanted a torch.Tensor (B, N, 3, H, W)")
         check_srgb(srgb.flatten(0, 1), name="bursts", may_need_gradient=True)
         motions = self._register(srgb.detach(), landmarks_px)
         parts = []

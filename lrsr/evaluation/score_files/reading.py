@@ -93,9 +93,9 @@ def read_scores(
         raise InputError(f"format={format}: wanted one of {', '.join(FORMATS)}")
     reader = _Reader(qualities, -1.0 if distance else 1.0)
     if format == "genuine_impostor":
-        _read_genuine_impostor(reader, files)
+        _read_genuine_impostor(reader, [*map(Path, files)])
         return reader.anonymous
-    for path in files:
+    for path in map(Path, files):  # a notebook may give words
         lines = _lines_of(path)
         kind = format or _format_of(path, lines[0])
         if qualities and kind != "native":
