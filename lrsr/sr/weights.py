@@ -110,11 +110,23 @@ def has_card(path: Path) -> bool:
 def write_weights(path: Path, network: nn.Module, card: Card) -> None:
     """Write the network's weights (float32) and their card as one safetensors file.
 
+    Equal weights and cards make equal bytes.
+
     Raises:
         InputError: The file cannot be written.
     """
     tensors = {k: v.detach().float().cpu().contiguous() for k, v in network.state_dict().items()}
-    write_bytes(path, save_tensors(tensors, metadata=card.as_text()))
+    write_bytes(path, _in_order(save_tensors(tensors, metadata=card.as_text())))
+
+
+def _in_order(content: bytes) -> bytes:
+    """Sort the card in a safetensors file's header, where the library has it in random order."""
+    end = 8 + int.from_bytes(content[:8], "little")
+    header = json.loads(content[8:end])
+    header["__metadata__"] = dict(sorted(header["__metadata__"].items()))
+    text = json.dumps(header, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 8)  # what follows is aligned
+    return len(text).to_bytes(8, "little") + text + content[end:]
 
 
 def read_weights(path: Path) -> tuple[Network, Card]:

@@ -61,6 +61,16 @@ def test_arguments_of_training_do_not_matter_in_use(tmp_path: Path) -> None:
     assert read.arguments == card.arguments
 
 
+def test_equal_weights_make_equal_bytes(tmp_path: Path) -> None:
+    network, path = SRCNN(), tmp_path / "w.safetensors"
+    written = set()
+    for _ in range(8):
+        write_weights(path, network, CARD)
+        written.add(path.read_bytes())
+    assert len(written) == 1
+    assert read_weights(path)[1] == CARD
+
+
 def test_half_precision_and_channels_last_become_plain_float32(tmp_path: Path) -> None:
     network = SRCNN().to(memory_format=torch.channels_last).half()
     torch.save(checkpoint_of(network, CARD), tmp_path / "w.ckpt")
