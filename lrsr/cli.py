@@ -215,13 +215,21 @@ def _mended(args: Any, name: str, scratch: Path) -> list[str]:
 
 def _with_operands(words: Sequence[str], name: str) -> list[str]:
     """Let words without a key be the setting that the command has for them, as a list."""
-    operands = [word for word in words if "=" not in word and word[:1] not in {"~", "+"}]
+    operands = [word for word in words if _is_operand(word)]
     if name not in _OPERANDS or not operands:
         return [*words]
     from hydra.core.override_parser.types import Quote, QuotedString
 
     texts = ",".join(QuotedString(text, Quote.double).with_quotes() for text in operands)
     return [*(word for word in words if word not in operands), f"{_OPERANDS[name]}=[{texts}]"]
+
+
+def _is_operand(word: str) -> bool:
+    """Tell whether a word has no key: ``pics``, and ``./a=b`` or ``pics/a=b`` where that is."""
+    key, equals, _ = word.partition("=")
+    if equals:
+        return os.sep in key and Path(word).exists()
+    return word[:1] not in {"~", "+"}
 
 
 def _with_given_cameras(word: str, scratch: Path, sweep: bool) -> str:

@@ -17,5 +17,9 @@ class NonFiniteError(RuntimeError):
     """A NaN or an infinity appeared in an image or a loss; the message says where."""
 
 
+class DivergenceError(InputError, NonFiniteError):
+    """Training has left all numbers behind; the message says at which step, and what to lower."""
+
+
 class ScoreError(InputError, ValueError):
     """Scores cannot be evaluated; the message names the first offender and the remedy."""

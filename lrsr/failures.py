@@ -48,8 +48,16 @@ def _mendable(error: Exception, words: Sequence[str]) -> str | None:
     if merged and isinstance(error.__cause__, TypeError):  # a list where there are settings
         return f"{merged[1]}={merged[2]}: wanted settings, one by one: {merged[1]}.NAME=..."
     if isinstance(error, HydraException | errors.OmegaConfBaseException):
-        return f"{_one_line(error)} (--cfg job prints every setting)"
+        return _of_hydra(error)
     return None
+
+
+def _of_hydra(error: Exception) -> str:
+    if gone := re.search(r"Could not find '(.+)/(\w+)'\n.*\n\s*(.*)", str(error)):  # its own group
+        return f"{gone[1]}={gone[2]}: not installed; there is {gone[3]}"
+    place = getattr(error, "full_key", None)
+    where = f"{place}: " if place and place not in str(error).splitlines()[0] else ""
+    return f"{where}{_one_line(error)} (--cfg job prints every setting)"
 
 
 def _behind(error: BaseException | None, *, contexts: bool) -> Iterator[BaseException]:

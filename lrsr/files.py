@@ -1,12 +1,15 @@
 """How is a file written so that a kill at any moment leaves the old one or the new one, whole?
 
-And how do several processes share a folder: one at a time, or each in a folder of its own.
+How do several processes share a folder: one at a time, or each in a folder of its own. And how is
+a file read that may be none.
 """
 
+import errno
 import fcntl
 import json
 import os
 import secrets
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
@@ -14,6 +17,47 @@ from pathlib import Path
 from typing import Any
 
 from lrsr.errors import InputError
+
+_NO_FILES = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+
+
+def check_file(path: Path) -> Path:
+    """Return ``path`` if it is a file: a pipe would be waited for, a device may never end.
+
+    Raises:
+        OSError: It is something else, or not there.
+    """
+    path = Path(path)  # a notebook may give a word
+    kind = _NO_FILES.get(stat.S_IFMT(path.stat().st_mode))
+    if kind is not None:
+        raise OSError(errno.EINVAL, f"{kind}, not a file", str(path))
+    return path
+
+
+def why_no_file(path: Path) -> str:
+    """Return what a path is in place of a file, such as "is missing"; nothing where it is one."""
+    try:
+        check_file(path)
+    except FileNotFoundError:
+        return "is missing"
+    except OSError as error:
+        return f"is {error.strerror}"
+    return ""
+
+
+def read_bytes(path: Path) -> bytes:
+    """Read a file, and nothing that only looks like one; see :func:`check_file`.
+
+    Raises:
+        OSError: It cannot be read, or is no file.
+    """
+    return check_file(path).read_bytes()
 
 
 def make_folder(folder: Path) -> Path:
@@ -87,6 +131,7 @@ def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
     """
     temporary: Path | None = None
     lock: int | None = None
+    path = Path(path)  # a notebook may give a word
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         temporary, lock = _locked_part(path)

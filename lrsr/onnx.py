@@ -21,6 +21,7 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
+from lrsr.files import check_file, read_bytes, why_no_file
 
 _CPU = ("CPUExecutionProvider",)
 _GPUS = ("CUDAExecutionProvider", "ROCMExecutionProvider", "CoreMLExecutionProvider")
@@ -75,8 +76,8 @@ def open_session(model: Path, providers: Sequence[str] = _CPU) -> Any:
     Raises:
         InputError: The file or its external data is missing, or it is no ONNX model.
     """
-    if not model.is_file():
-        raise InputError(f"{model} is missing: give an ONNX file")
+    if why := why_no_file(model):
+        raise InputError(f"{model} {why}: give an ONNX file")
     onnxruntime = importlib.import_module("onnxruntime")
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = torch.get_num_threads()
@@ -101,14 +102,21 @@ def run_session(
         output: Which one, where the graph has several; "": the first.
 
     Returns:
-        ``(B, ...)`` float32.
+        ``(B, ...)`` float32, finite.
 
     Raises:
-        InputError: The model cannot take such inputs.
+        InputError: The model cannot take such inputs, or returns a NaN or an infinity.
     """
     names = [output] if output else None
     parts = [outputs[0] for _, outputs in _run_parts(session, model, inputs, batch_size, names)]
-    return np.concatenate(parts)[: len(inputs)].astype(np.float32, copy=False)
+    values = np.concatenate(parts)[: len(inputs)].astype(np.float32, copy=False)
+    if not np.isfinite(values).all():
+        which = int(np.argwhere(~np.isfinite(values))[0, 0])
+        raise InputError(
+            f"{model}: returned a NaN or an infinity for input {which}: it cannot be used; give"
+            " another"
+        )
+    return values
 
 
 def run_lists(
@@ -245,7 +253,7 @@ def contract_path(model: Path) -> Path:
 
 def sha256_of(path: Path) -> str:
     """Return the sha256 of a file's bytes, in hex."""
-    with path.open("rb") as file:
+    with check_file(path).open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
@@ -266,13 +274,12 @@ def read_declared(
             out of range; or the model is not the one that the contract was written for.
     """
     path = contract_path(model)
+    for one in (model, path):
+        if why := why_no_file(one):
+            raise InputError(f"{one} {why}: a model needs NAME.onnx and NAME.toml")
     try:
         digest = sha256_of(model)
-        with path.open("rb") as file:
-            document = tomllib.load(file)
-    except FileNotFoundError as error:
-        needed = "a model needs NAME.onnx and NAME.toml"
-        raise InputError(f"{error.filename} is missing: {needed}") from error
+        document = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as a contract ({error}); mend it") from error
     declared = check_declared(kind, document, tables, choices, path)

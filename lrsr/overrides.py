@@ -11,6 +11,7 @@ import logging
 import os
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -49,6 +50,13 @@ _PATHS = {
     "scores",
     "generic_scores",
     "real_scores",
+    "files",
+    "ages",
+    "generator",
+    "boundaries",
+    "annotations",
+    "galleries",
+    "probes",
     "probe",
     "enrolled",
     "reconstructor",
@@ -57,7 +65,7 @@ _PATHS = {
 _FOLDERS = ("gallery", "probes")
 """Sections whose ``folder`` may be given as if it were all of them."""
 _WITH_FOLDERS = ("eval", "demo")
-_LISTS = {"images"}
+_LISTS = {"images", "files", "galleries"}
 """Paths that may be several: [a,b] is a list."""
 _QUOTED = r'"(?:[^"\\]|\\.)*"|' + r"'(?:[^'\\]|\\.)*'"
 _WORD = re.compile(r"(~|\+{0,2})([^=@]*)(@[^=]*)?(?:=(.*))?", re.DOTALL)
@@ -70,6 +78,7 @@ class _Word(NamedTuple):
     key: str
     package: str  # with its @
     value: str
+    typed: str
 
     def __str__(self) -> str:
         return f"{self.key}{self.package}={self.value}"
@@ -126,7 +135,7 @@ class Overrides:
         # lrsr train sr=NAME, recognition=NAME and reconstructor=NAME mean train=NAME.
         if self.command == "train" and key in _TRAINED and self._options("train"):
             key = "train"
-        return _Word(sign, key, package or "", value)
+        return _Word(sign, key, package or "", value, text)
 
     def _recognisers(self, value: str) -> tuple[str, str]:
         """Let ``recognition=`` name recognisers where it names no option of the group."""
@@ -161,7 +170,7 @@ class Overrides:
         wrong = [name for name in names if name not in options and not function]
         if word.sign == "~" or not names or wrong:
             hint = (wrong and _meant(wrong[0], options)) or f": choose one of {', '.join(options)}"
-            raise InputError(f"{word}: no such option{hint}")
+            raise InputError(f"{word.typed}: no such option{hint}")
         if len(names) > 1 and not (self.sweep or word.value.startswith("[")):
             raise InputError(f"{word}: add -m to run one after the other")
         added = word.key == _EXTRA or not (self.folders[0] / word.key).is_dir() or word.package
@@ -172,22 +181,33 @@ class Overrides:
 
         Raises:
             HydraException: The files cannot be composed.
-            InputError: The command has no such group.
+            InputError: The command has no such group, or two choices do not go together.
         """
-        from hydra import compose, initialize_config_dir  # a quarter of a second
-        from hydra.errors import HydraException
+        from hydra.errors import HydraException  # a quarter of a second
+
+        try:
+            return self._compose(words)
+        except HydraException as error:
+            if group := re.search(r"Could not override '([^'.]+)'", str(error)):
+                said = " ".join([self.command, *(w for w in words if w.startswith("train="))])
+                raise InputError(f"lrsr {said} has no {group[1]} to choose") from error
+            for word in words:
+                rest = [one for one in words if one is not word]
+                with suppress(HydraException):
+                    self._compose(rest)
+                    raise InputError(
+                        f"{word}: does not go with {', '.join(rest)}; leave it, or choose another"
+                    ) from error
+            raise
+
+    def _compose(self, words: list[str]) -> dict[str, Any]:
+        from hydra import compose, initialize_config_dir
         from omegaconf import OmegaConf
 
         search = ",".join(quoted_word(f"file://{folder}") for folder in self.folders[1:])
         firsts = [re.sub(r"=([^,\[]+),.*", r"=\1", word) for word in words if "(" not in word]
-        try:
-            with initialize_config_dir(str(self.folders[0]), version_base="1.3"):
-                composed = compose(self.command, [f"hydra.searchpath=[{search}]", *firsts])
-        except HydraException as error:
-            group = re.search(r"Could not override '([^'.]+)'", str(error))
-            if group is None:
-                raise
-            raise InputError(f"lrsr {self.command} has no {group[1]} to choose") from error
+        with initialize_config_dir(str(self.folders[0]), version_base="1.3"):
+            composed = compose(self.command, [f"hydra.searchpath=[{search}]", *firsts])
         plain: Any = OmegaConf.to_container(composed, resolve=False)
         return dict(plain)
 
@@ -279,7 +299,7 @@ def _readable(word: _Word, sweep: bool) -> str:
 
     kind, text = "", word.value
     is_path = word.key.rpartition(".")[2] in _PATHS
-    if word.key in _LISTS and re.fullmatch(r"\[.*\]", text, re.DOTALL):
+    if word.key.rpartition(".")[2] in _LISTS and re.fullmatch(r"\[.*\]", text, re.DOTALL):
         is_path = False
     try:
         kind = _kind(text)

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from lrsr.errors import ImageContractError
 from lrsr.files import write_text
+from lrsr.letters import write_any_script
 
 _FILE = "report.html"
 DPI = 200
@@ -65,6 +66,17 @@ def line_style(number: int) -> dict[str, Any]:
     kinds = tuple(dict.fromkeys(_DASHES))
     dashes = kinds[(kinds.index(_DASHES[place]) + again) % len(kinds)]
     return {"color": COLOURS[place], "linestyle": dashes}
+
+
+def title_of(name: str) -> str:
+    """Return the name of an experiment as a title; what the user named stays so.
+
+    Example:
+        >>> title_of("super_resolution"), title_of("VIS_at_8 px")
+        ('Super resolution', 'VIS at 8 px')
+    """
+    words = name.replace("_", " ")
+    return words[:1].upper() + words[1:]
 
 
 def write_page(folder: Path, name: str, *, versions: Mapping[str, str], **content: Any) -> Path:
@@ -146,7 +158,8 @@ def svg_uri(figure: Figure) -> str:
 
 
 def _take_names_literally(figure: Figure) -> None:
-    """Let a $ in somebody's name be a $: formulas are in labels of logarithmic axes alone."""
+    """Let any letter be shown and a $ be one: formulas label logarithmic axes alone."""
+    write_any_script(figure)
     for text in figure.findobj(Text):
         text.set_parse_math(False)
     axes_of = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]

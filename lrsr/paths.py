@@ -51,7 +51,7 @@ def user_path(text: object, name: str = "path") -> Path:
     if isinstance(text, bool) or not isinstance(text, str | int | Path):
         raise InputError(f"{name}={text}: wanted a path")
     if not str(text).strip():
-        raise InputError("a path is empty: write . for this folder")
+        raise InputError(f"{name}: a path is empty; write . for this folder")
     try:
         return Path(str(text)).expanduser().resolve()
     except (OSError, RuntimeError) as error:

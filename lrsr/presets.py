@@ -35,7 +35,13 @@ def preset(group: str, name: str, /, **changes: Any) -> Any:
         >>> preset("pose", "left", pitch_deg=5)
         Pose(name='left', yaw_deg=30.0, pitch_deg=5.0, roll_deg=0.0)
     """
-    return build(node_of(group, name, changes), group)
+    return build(node_of(group, name, {key: _plain(one) for key, one in changes.items()}), group)
+
+
+def _plain(value: Any) -> Any:
+    """Return what an array, a tensor or a NumPy scalar holds in Python's own numbers."""
+    value = value.detach() if hasattr(value, "detach") else value
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def node_of(group: str, name: str, changes: Mapping[str, Any]) -> Any:

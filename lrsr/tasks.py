@@ -251,7 +251,9 @@ def run_models(config: "DictConfig") -> Path:
     Raises:
         InputError: There is no such action or model, or it cannot be had or used.
     """
-    from lrsr.recognition.store import CONSENTS, Wish, add, pull, remove, table, verify
+    from lrsr.recognition.addition import add
+    from lrsr.recognition.delivery import CONSENTS, Wish, pull
+    from lrsr.recognition.store import remove, table, verify
 
     names, accept = words(config, "names"), words(config, "accept")
     for word in accept:
@@ -378,6 +380,7 @@ def run_train(config: "DictConfig") -> Path:
     from lrsr.training.learner import Learner  # Lightning takes seconds
     from lrsr.training.lessons import read_lessons
     from lrsr.training.patchwork import Patchwork
+    from lrsr.training.restoration import Restoration
     from lrsr.training.resume import refuse_other_run, what_matters
     from lrsr.training.run import train
 
@@ -390,6 +393,8 @@ def run_train(config: "DictConfig") -> Path:
     if isinstance(data, Patchwork) and "lr_made_by" not in config.module:
         card["lr_made_by"] = data.lr_made_by
     module = build(config.module, "module", **card)
+    if isinstance(data, Patchwork) and isinstance(module, Restoration):
+        module.try_patches(data.patches)  # nothing has been rendered by then
     resume = flag(config, "resume")
     steps = isinstance(module, Learner)
     for key in () if steps else ("trainer", "callbacks", "logger"):

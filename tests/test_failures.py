@@ -6,6 +6,8 @@ import os
 import pytest
 from hydra.errors import ConfigCompositionException, InstantiationException
 from hydra.utils import instantiate
+from omegaconf import OmegaConf
+from omegaconf.errors import InterpolationKeyError
 
 from lrsr.errors import InputError
 from lrsr.failures import explain
@@ -108,3 +110,11 @@ def test_a_list_in_place_of_settings_is_told_as_it_was_typed() -> None:
     error = caused(ConfigCompositionException("Error merging override ++axes=[pose]"), cause)
     wanted = "axes=[pose]: wanted settings, one by one: axes.NAME=..."
     assert explain(error, ["axes=[pose]"]) == (2, wanted)
+
+
+def test_a_reference_to_nothing_is_told_with_its_setting() -> None:
+    with pytest.raises(InterpolationKeyError) as raised:
+        _ = OmegaConf.create({"a": {"format": "${nosuch}"}}).a.format
+    status, line = explain(raised.value, [])
+    assert status == 2
+    assert line.startswith("a.format: Interpolation key 'nosuch' not found")

@@ -3,26 +3,44 @@
 import errno
 import json
 import os
+import re
 import signal
+import socket
 import stat
 import subprocess
 import sys
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from lrsr.camera.preset_file import read_preset_file
+from lrsr.camera.sensitivities import find_sensitivities
 from lrsr.errors import InputError
+from lrsr.evaluation.score_files.reading import read_scores
 from lrsr.files import (
+    check_file,
     fresh_folder,
     locked,
     make_folder,
+    read_bytes,
     replacing,
     sweep,
     write_bytes,
     write_json,
     write_text,
 )
+from lrsr.identities.generated.boundaries import read_boundaries
+from lrsr.identities.roster import IdentityRange
+from lrsr.journal import read_lines
+from lrsr.paths import PACKAGE
+from lrsr.pictures.image_files import read_image
+from lrsr.pictures.set_lists import read_listing
+from lrsr.pictures.stored import read_header
+from lrsr.sr import load_upscaler
+from lrsr.tables import open_table
 
 HANG_WHILE_WRITING = """
 import sys, time
@@ -181,3 +199,84 @@ def test_of_many_that_read_change_and_write_none_is_lost(tmp_path: Path) -> None
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(add, range(40)))
     assert sorted(map(int, path.read_text().split())) == list(range(40))
+
+
+# what only looks like a file
+
+
+def make_pipe(path: Path) -> Path:
+    os.mkfifo(path)
+    return path
+
+
+def make_socket(path: Path) -> Path:
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(path))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("make", "kind"),
+    [
+        (make_pipe, "a named pipe"),
+        (make_socket, "a socket"),
+        (make_folder, "a folder"),
+        (lambda _: Path("/dev/zero"), "a device"),
+    ],
+    ids=["pipe", "socket", "folder", "device"],
+)
+def test_what_is_no_file_is_told_and_not_waited_for(
+    tmp_path: Path, make: Callable[[Path], Path], kind: str
+) -> None:
+    path = make(tmp_path / "x.png")
+    with pytest.raises(OSError, match=f"{kind}, not a file"):
+        read_bytes(path)
+    with pytest.raises(InputError, match=f"cannot read {path}: {kind}, not a file"):
+        read_image(path)
+
+
+def test_a_link_to_a_file_is_one(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("there")
+    (tmp_path / "b").symlink_to(tmp_path / "a")
+    assert check_file(tmp_path / "b") == tmp_path / "b"
+    assert read_bytes(tmp_path / "b") == b"there"
+    with pytest.raises(FileNotFoundError):
+        read_bytes(tmp_path / "c")
+
+
+@pytest.mark.parametrize(
+    ("name", "read"),
+    [
+        ("a.png", lambda path: read_header(path, path)),
+        ("a.csv", lambda path: open_table(path, "make it")),
+        ("a.csv", lambda path: read_scores([path])),
+        ("a.yaml", read_preset_file),
+        ("a.json", lambda path: IdentityRange(count=1, roster=str(path))),
+        ("a.safetensors", load_upscaler),
+        ("a.onnx", load_upscaler),
+        ("a.mat", lambda path: read_listing(path, "x", "y")),
+        ("a.jsonl", read_lines),
+        ("a.safetensors", lambda path: read_boundaries(path, 8)),
+        ("a.csv", lambda path: find_sensitivities(str(path))),
+    ],
+)
+def test_no_reader_waits_for_a_pipe(
+    tmp_path: Path, name: str, read: Callable[[Any], object]
+) -> None:
+    path = make_pipe(tmp_path / name)
+    with pytest.raises(InputError, match=re.escape(str(path))):
+        read(path)
+
+
+def test_nothing_of_the_users_is_read_another_way() -> None:
+    ours = {
+        *("files.py", "training/precision.py", "recognition/registry.py"),
+        *("experiments/report/published.py", "experiments/fitted.py"),  # behind is_file
+        *("identities/shape/build_basis.py", "identities/shape/makehuman.py"),  # of a package
+    }
+    found = {
+        str(file.relative_to(PACKAGE))
+        for file in PACKAGE.rglob("*.py")
+        if re.search(r"\.read_(bytes|text)\(", file.read_text())
+    }
+    assert {name for name in found if not name.startswith("identities/photographs/")} == ours

@@ -24,6 +24,14 @@ def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path: Path) -> None:
     assert journal.read() == [{"k": 0}, {"k": 1}]
 
 
+def test_a_first_line_that_a_full_disk_cut_short_is_written_again(tmp_path: Path) -> None:
+    journal = Journal(tmp_path / "found.jsonl", ASKED)
+    journal.path.write_text('\n{"seed": 1, "st')
+    assert journal.read() == []
+    journal.note({"k": 0})
+    assert journal.read() == [{"k": 0}]
+
+
 def test_other_settings_are_refused_by_name(tmp_path: Path) -> None:
     Journal(tmp_path / "found.jsonl", ASKED).note({"k": 0})
     with pytest.raises(InputError, match="holds what another seed made: choose another out"):

@@ -41,6 +41,16 @@ def test_a_path_is_what_was_typed(text: str) -> None:
         assert value(word) == text
 
 
+@pytest.mark.parametrize("text", ["2024.10", "007", "1e3", "null2", "[a", "nan"])
+def test_a_path_of_digits_stays_what_was_typed(text: str) -> None:
+    for command, key in (("score", "files"), ("reconstruct", "ages"), ("generate", "generator")):
+        assert value(mended(f"{key}={text}", command=command)[-1]) == text
+
+
+def test_a_list_of_paths_is_one() -> None:
+    assert value(mended("files=[a.csv,b.csv]", command="score")[0]) == ["a.csv", "b.csv"]
+
+
 def test_no_path_is_null_and_quotes_can_be_the_users() -> None:
     assert value(mended("identities.roster=null")[0]) is None
     assert value(mended('out="größe (1)"')[0]) == "größe (1)"
@@ -85,6 +95,20 @@ def test_nothing_far_fetched_is_offered(command: str, word: str, says: str) -> N
 def test_a_section_of_an_experiment_takes_no_more_than_it_has(word: str) -> None:
     with pytest.raises(InputError, match="did you mean"):
         mended(word, command="eval")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("recognition=arcface", "data=images"), "data=images: does not go with train=arcface; "),
+        (("sr=srcnn2x", "loss=identity"), "lrsr train train=srcnn2x has no loss to choose"),
+        (("sr=bicubic2",), "sr=bicubic2: no such option"),  # as it was typed
+    ],
+)
+def test_choices_that_do_not_go_together_are_refused(words: tuple[str, ...], says: str) -> None:
+    with pytest.raises(InputError) as refused:
+        mended(*words, command="train")
+    assert str(refused.value).startswith(says)
 
 
 def test_a_comma_parts_values_in_a_multirun_only() -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from hydra.errors import InstantiationException
 from omegaconf import OmegaConf
 
@@ -159,3 +160,10 @@ def test_settled_numbers_are_floats_and_lists_tuples() -> None:
 def test_what_is_no_number_is_named(wrong: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         Numbers(**wrong)
+
+
+@pytest.mark.parametrize(
+    "degrees", [np.float32(8), np.int64(8), torch.tensor(8.0).requires_grad_(), np.array(8.0), 8]
+)
+def test_a_change_may_be_a_number_of_any_type(degrees: Any) -> None:
+    assert preset("pose", "left", yaw_deg=degrees) == preset("pose", "left", yaw_deg=8.0)

@@ -17,7 +17,7 @@ from torch.nn import functional as F
 from lrsr.calibration.jpeg_files import read_jpeg_settings
 from lrsr.camera.jpeg_tables import BLOCK_PX
 from lrsr.errors import InputError
-from lrsr.pictures.image_files import SUFFIXES, read_image
+from lrsr.pictures.image_files import SUFFIXES, read_file, read_image
 
 _LEAST_PX, _MOST_PX = 2 * BLOCK_PX, 256
 """Of a side: fewer hold no whole block, more are no small faces (200 films of them fill memory)."""
@@ -183,7 +183,7 @@ def _check_sizes(pictures: dict[Path, torch.Tensor]) -> None:
 
 def _jpeg_of(files: list[Path]) -> tuple[int, str] | None:
     """Return what the files say of themselves: the middle quality, the commonest sub-sampling."""
-    found = [read_jpeg_settings(file.read_bytes()) for file in files]
+    found = [read_jpeg_settings(read_file(file)) for file in files]
     known = [one for one in found if one is not None]
     if len(known) < len(files):
         return None

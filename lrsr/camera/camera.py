@@ -19,7 +19,7 @@ from lrsr.camera.checks import (
 from lrsr.camera.codec import COMPRESSIONS, Jpeg, jpeg, jpeg_differentiable
 from lrsr.camera.colour import Colour
 from lrsr.camera.encoding import encode, quantise
-from lrsr.camera.exposure import expose
+from lrsr.camera.exposure import check_is_light, expose
 from lrsr.camera.mosaic import Mosaic
 from lrsr.camera.optics import Optics, bin_pixels
 from lrsr.camera.processing import Processing
@@ -170,7 +170,8 @@ class Camera(nn.Module):
         Args:
             linear: ``(B, 3, S H, S W)`` float32, scene-referred linear light on a film S =
                 ``supersampling`` times finer, any H and W >= 1 (3 under a mosaic); or
-                ``(B, N, S H, S W)`` spectral bands.
+                ``(B, N, S H, S W)`` spectral bands. What lies below 0 counts as no light
+                (:func:`lrsr.camera.exposure.check_is_light`).
             metered: ``(B,)``, reading of the incident-light meter, > 0.
             seeds: One for each image, of its noise; only a noisy camera needs them.
             spectrum: Which bands they are; None: three colours.
@@ -179,7 +180,8 @@ class Camera(nn.Module):
             srgb ``(B, 3, H, W)`` float32, [0, 1], multiples of 1/255.
 
         Raises:
-            ImageContractError: The images break the contract, or ``metered`` does not fit them.
+            ImageContractError: The images break the contract or are no light, or ``metered`` does
+                not fit them.
             InputError: A noisy camera got no seeds, or measured filters got three colours.
             NonFiniteError: A NaN or an infinity in the images.
         """
@@ -187,7 +189,8 @@ class Camera(nn.Module):
             raise InputError(f"camera {self.name!r} is noisy: give seeds, one for each image")
         bands = spectrum is not None and getattr(linear, "ndim", 0) == 4
         channels = linear.shape[1] if bands else 3
-        seen = self.see(check_images(linear, channels=channels, name="linear"), spectrum)
+        light = check_is_light(check_images(linear, channels=channels, name="linear"))
+        seen = self.see(light, spectrum)
         light = self.gather(expose(seen, metered, self.exposure_ev))
         count = 1 if self.stored is None else self.stored.frames
         frames = [self.develop(light, seeds, frame, spectrum) for frame in range(count)]

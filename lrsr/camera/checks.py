@@ -29,6 +29,8 @@ def check_light(
     """
     if not isinstance(light, torch.Tensor):
         raise ImageContractError(f"{name}: got {type(light).__name__}, wanted a torch.Tensor")
+    if light.layout != torch.strided or light.is_meta:
+        raise ImageContractError(f"{name}: got a tensor without plain values; give .to_dense()")
     if light.ndim != 4 or light.shape[1] not in channels or 0 in light.shape:
         wanted = " or ".join(map(str, channels))
         raise ImageContractError(

@@ -16,11 +16,39 @@ the front, above or below, and at most 2 % of the picture in light from the side
 """
 
 
+_UNDERSHOOT = 0.5
+"""How far below black, as a share of its brightest value, an image's light may lie."""
+
+
+def check_is_light(linear: torch.Tensor) -> torch.Tensor:
+    """Return light ``(B, C, H, W)`` unchanged, if it is light.
+
+    A little of it may lie below 0: colours that sRGB has not, and undershoot of filters. It counts
+    as none where pixels count it. What lies lower is something else, such as a normalised picture.
+
+    Raises:
+        ImageContractError: An image has a value lower than minus half of its highest.
+
+    Example:
+        >>> check_is_light(torch.tensor([[[[-0.1, 1.0]]]])).min().item() < 0
+        True
+    """
+    each = linear.detach().flatten(1)
+    low, high = each.amin(dim=1), each.amax(dim=1)
+    if bool((wrong := low < -_UNDERSHOOT * high).any()):
+        first = int(wrong.nonzero()[0, 0])
+        raise ImageContractError(
+            f"linear: got values {low[first]:g} to {high[first]:g} in image {first}, wanted light,"
+            " which is 0 or more"
+        )
+    return linear
+
+
 def expose(linear: torch.Tensor, metered: torch.Tensor, exposure_ev: float = 0.0) -> torch.Tensor:
     """Scale scene-referred light by ``KEY * 2**exposure_ev / metered``.
 
     Args:
-        linear: ``(B, 3, H, W)`` float32, scene-referred linear light, >= 0, unbounded.
+        linear: ``(B, 3, H, W)`` float32, scene-referred linear light, unbounded.
         metered: ``(B,)``, what :class:`lrsr.rendering.radiance.Radiance` calls ``metered``, > 0.
         exposure_ev: Correction in stops; +1 doubles the light.
 

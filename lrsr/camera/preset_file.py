@@ -18,6 +18,7 @@ from torch import nn
 
 from lrsr.camera.camera import STAGES, Camera
 from lrsr.errors import InputError
+from lrsr.files import read_bytes, why_no_file
 
 _LARGEST_BYTES = 2**16
 """A camera with every setting and its comments has a few thousand."""
@@ -46,8 +47,8 @@ def read_preset_file(path: Path) -> dict[str, Any]:
         InputError: There is no such file, it is no YAML, or it describes something else; the
             message names the file, the setting and the remedy.
     """
-    if not path.is_file():
-        raise InputError(f"camera={path}: no such file; give a preset's name or its .yaml file")
+    if why := why_no_file(path):
+        raise InputError(f"camera={path} {why}: give a preset's name or its .yaml file")
     try:
         plain = _parsed(path)
         build_camera(plain)
@@ -78,7 +79,7 @@ def _parsed(path: Path) -> dict[str, Any]:
         InputError: It cannot be read, is too large or too deep, or no YAML, or uses aliases.
     """
     try:
-        content = path.read_bytes()
+        content = read_bytes(path)
         if len(content) > _LARGEST_BYTES:
             raise InputError(f"{len(content)} bytes are too many for a camera; {_REMEDY}")
         depth = 0

@@ -94,6 +94,15 @@ def plain_number(value: Any, name: str, *, error: type[InputError] = ScoreError)
     raise error(f"{name} is {value!r}: wanted a number")
 
 
+def float_array(values: Any, name: str) -> NDArray[np.float64]:
+    """Return numbers of any shape and origin as float64; see :func:`plain_array`.
+
+    Raises:
+        ScoreError: They are none.
+    """
+    return np.asarray(plain_array(values, name), dtype=np.float64)
+
+
 def check_scores(scores: Any, name: str, *, at_least: int = 1) -> Array:
     """Return scores as a flat array of float32, float64 or integers.
 

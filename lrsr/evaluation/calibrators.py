@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import isotonic_regression
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.arrays import check_finite, check_scores
+from lrsr.evaluation.arrays import check_finite, check_scores, float_array
 
 Floats = NDArray[np.float64]
 Calibration = Callable[[ArrayLike], Floats]
@@ -67,7 +67,7 @@ def fit_logistic(genuine: ArrayLike, impostor: ArrayLike) -> Calibration:
     intercept, slope = float(found[0]), float(found[1])
 
     def calibrate(values: ArrayLike) -> Floats:
-        given = np.asarray(values, dtype=np.float64)
+        given = float_array(values, "scores")
         return (intercept + slope * (given - mean) / spread) / _LN10
 
     return calibrate
@@ -97,7 +97,7 @@ def fit_pav(genuine: ArrayLike, impostor: ArrayLike, misleading: int = 1) -> Cal
     posterior = pool(own, other)
 
     def calibrate(given: ArrayLike) -> Floats:
-        return log_odds(np.interp(np.asarray(given, dtype=np.float64), values, posterior))
+        return log_odds(np.interp(float_array(given, "scores"), values, posterior))
 
     return calibrate
 
@@ -129,7 +129,7 @@ def fit_kde(genuine: ArrayLike, impostor: ArrayLike) -> Calibration:
     ratio = (densities[0] - densities[1]) / _LN10
 
     def calibrate(given: ArrayLike) -> Floats:
-        return np.interp(np.asarray(given, dtype=np.float64), grid, ratio)
+        return np.interp(float_array(given, "scores"), grid, ratio)
 
     return calibrate
 
@@ -166,7 +166,7 @@ def elub(genuine_llr: ArrayLike, impostor_llr: ArrayLike) -> Bounds:
         impostor_llr: ``(n,)`` the same.
     """
     own, other = (
-        np.sort(np.clip(np.asarray(llr, dtype=np.float64), -_EXTREME, _EXTREME))
+        np.sort(np.clip(float_array(llr, "likelihood ratios").reshape(-1), -_EXTREME, _EXTREME))
         for llr in (genuine_llr, impostor_llr)
     )
     least = max(min(own[0], other[0]), -math.log10(own.size + 1))

@@ -329,8 +329,7 @@ def _area(placements: Placements) -> Fraction:
 def _check_numbers(m: int, n: int) -> None:
     if min(m, n) < 2:
         raise ScoreError(
-            f"{m} genuine and {n} impostor scores: a variance needs two of each; "
-            "measure_auc gives the area alone"
+            f"{m} genuine and {n} impostor scores: a variance needs two of each; give more pairs"
         )
 
 

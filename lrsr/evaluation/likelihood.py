@@ -15,9 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import expit
 
 from lrsr.errors import ScoreError
-from lrsr.evaluation.arrays import Array
+from lrsr.evaluation.arrays import Array, float_array
 from lrsr.evaluation.bootstrap import Draws, draw_people, percentiles, weigh, weighted_means
 from lrsr.evaluation.calibrators import (
     CALIBRATORS,
@@ -162,11 +163,13 @@ def cross_entropy(genuine_llr: ArrayLike, impostor_llr: ArrayLike, odds: ArrayLi
         odds: ``(k,)`` prior log10 odds.
 
     Raises:
-        ScoreError: A side is empty or holds a NaN.
+        ScoreError: A side is empty or holds a NaN, or odds are not finite.
     """
     own, other = _ratios(genuine_llr, "genuine"), _ratios(impostor_llr, "impostor")
-    places = np.asarray(odds, dtype=np.float64)
-    prior = 1 / (1 + 10**-places)
+    places = float_array(odds, "prior odds").reshape(-1)
+    if not np.isfinite(places).all():
+        raise ScoreError("prior odds: a NaN or an infinity among them; give finite log10 odds")
+    prior = expit(places * math.log(10))
     costs = [
         p * _penalty(-own - x).mean() + (1 - p) * _penalty(other + x).mean()
         for p, x in zip(prior.tolist(), places.tolist(), strict=True)
@@ -424,7 +427,7 @@ def _penalty(llr: Floats) -> Floats:
 
 
 def _ratios(llr: ArrayLike, name: str) -> Floats:
-    ratios = np.asarray(llr, dtype=np.float64)
+    ratios = float_array(llr, f"{name} likelihood ratios").reshape(-1)
     if ratios.size == 0 or np.isnan(ratios).any():
         raise ScoreError(f"{ratios.size} {name} likelihood ratios, or a NaN among them")
     return ratios

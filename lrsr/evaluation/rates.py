@@ -293,5 +293,7 @@ class _Moments:
 def _separation(genuine: _Moments, impostor: _Moments) -> float:
     spread = genuine.squares / (genuine.n - 1) + impostor.squares / (impostor.n - 1)
     if spread == 0:
-        raise ScoreError("all scores of each kind are alike: d' has no unit")
+        raise ScoreError(
+            "all scores of each kind are alike, so d' has no unit: give scores of more digits"
+        )
     return (genuine.mean - impostor.mean) / math.sqrt(spread / 2)

@@ -10,7 +10,7 @@ from lrsr.calibration.from_pictures import FitSettings, fit_to_folder
 from lrsr.camera.preset_file import read_preset_file
 from lrsr.files import make_folder, write_text
 from lrsr.pictures.cache import RenderCache
-from lrsr.pictures.image_files import SUFFIXES
+from lrsr.pictures.image_files import SUFFIXES, read_file
 from lrsr.pictures.maker import Maker
 
 _FITTED_FROM = "fitted_from.json"
@@ -38,7 +38,7 @@ def fit_once(
     """
     preset, record = folder / f"{settings.name}.yaml", folder / _FITTED_FROM
     images = sorted(one for one in settings.images.glob("*") if one.suffix.lower() in SUFFIXES)
-    seen = {one.name: hashlib.sha256(one.read_bytes()).hexdigest() for one in images}
+    seen = {one.name: hashlib.sha256(read_file(one)).hexdigest() for one in images}
     plain = {**vars(settings), "images": seen, "strangers": settings.strangers.describe()}
     asked = json.dumps(plain, sort_keys=True)
     if not (preset.is_file() and record.is_file() and record.read_text() == asked):

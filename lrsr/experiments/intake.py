@@ -18,7 +18,7 @@ from tqdm import tqdm
 
 from lrsr.configuration import as_word, flag, require, section
 from lrsr.errors import InputError
-from lrsr.files import write_json, write_text
+from lrsr.files import read_bytes, write_json, write_text
 from lrsr.identities.photographs.choices import HAIRS, PHOTOGRAPHS_VERSION, Hair, Kept
 from lrsr.identities.photographs.person import FORMAT, RECORD, Network, Photographed
 from lrsr.identities.photographs.picture_file import decode
@@ -147,7 +147,7 @@ class Intake:
         asked = digest({**self.describe(), "version": PHOTOGRAPHS_VERSION})
         path = memory / sha256[:2] / f"{sha256}_{asked[:16]}.json"
         with suppress(OSError, ValueError):
-            return _plain(path.read_text(encoding="utf-8"))
+            return _plain(read_bytes(path))
         found = self._reconstruct(content, source, sha256)
         write_json(path, found)
         return _plain(json.dumps(found))  # as it will be remembered
@@ -230,7 +230,7 @@ def write_people(folder: Path, looked: Sequence[Told]) -> None:
     write_json(folder / RECORD, {"format": FORMAT, "people": people, "refused": refused})
 
 
-def _plain(text: str) -> Told:
+def _plain(text: str | bytes) -> Told:
     found: Told = json.loads(text)
     return found
 

@@ -1,6 +1,5 @@
 """To which groups does somebody belong? By sex, age, ancestry and skin tone, where known."""
 
-import csv
 import itertools
 from collections.abc import Mapping
 from contextlib import suppress
@@ -10,6 +9,7 @@ from lrsr.errors import InputError
 from lrsr.experiments.report.demographics import DECADES, main_ancestry
 from lrsr.identities.person import Traits
 from lrsr.pictures.folder import Entry
+from lrsr.tables import read_rows
 
 Labels = Mapping[str, str]
 """The group of one person for each trait, e.g. ``{"sex": "female", "age": "30 to 39"}``."""
@@ -46,25 +46,16 @@ def read_labels(path: Path) -> dict[str, Labels]:
     Raises:
         InputError: It cannot be read, has no such column, or a value does not fit.
     """
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.DictReader(file)
-            names = reader.fieldnames or []
-            if _NEEDED not in names or not {*_COLUMNS} & {*names}:
-                raise InputError(
-                    f"{path}, line 1: wanted the column {_NEEDED} and some of {', '.join(_COLUMNS)}"
-                )
-            found = {}
-            for row in reader:
-                cells = {name: (row.get(name) or "").strip() for name in (_NEEDED, *_COLUMNS)}
-                try:
-                    found[cells[_NEEDED]] = _read(cells)
-                except ValueError as error:
-                    raise InputError(f"{path}, line {reader.line_num}: {error}; mend it") from error
-            return found
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"cannot read {path}: {reason}; give a CSV of people") from error
+    found: dict[str, Labels] = {}
+    for line, cells in read_rows(path, (_NEEDED,), "give a CSV of people"):
+        if not {*_COLUMNS} & {*cells}:
+            raise InputError(f"{path}, line 1: wanted some of the columns {', '.join(_COLUMNS)}")
+        told = {name: cells.get(name, "").strip() for name in (_NEEDED, *_COLUMNS)}
+        try:
+            found[told[_NEEDED]] = _read(told)
+        except ValueError as error:
+            raise InputError(f"{path}, line {line}: {error}; mend it") from error
+    return found
 
 
 def _read(cells: Mapping[str, str]) -> Labels:

@@ -4,8 +4,6 @@ Faces are drawn, measured or scored by somebody else, and parted by
 :func:`lrsr.identities.generated.boundaries.learn_boundaries`.
 """
 
-import csv
-import io
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,6 +26,7 @@ from lrsr.paths import user_path
 from lrsr.pictures.image_files import write_png
 from lrsr.recognition.detection.detector import Detector
 from lrsr.recognition.detection.portrait import portrait_faces
+from lrsr.tables import read_rows
 
 Pixels = NDArray[np.uint8]
 Scores = dict[str, NDArray[np.float64]]
@@ -107,14 +106,8 @@ class Learning:
         rows: list[dict[str, str]] = []
         if self.scores is not None:
             path = user_path(self.scores, "learning.scores")
-            try:
-                text = path.read_text(encoding="utf-8-sig")
-                rows = list(csv.DictReader(io.StringIO(text)))
-            except (OSError, UnicodeDecodeError, csv.Error) as error:
-                why = f"learning.scores={path} cannot be read ({error}): give a CSV file"
-                raise InputError(why) from error
-            has = bool(rows) and "file" in rows[0]
-            require(has, "learning.scores", path, "a CSV file with a column file")
+            remedy = "learning.scores=CSV has the scores of faces"
+            rows = [row for _, row in read_rows(path, ("file",), remedy)]
         columns = rows[0].keys() if rows else set()
         for name in neutral:
             known = name in columns or name in ATTRIBUTES

@@ -5,14 +5,13 @@ is: whatever moment a kill chooses, a file of ours is known as ours.
 """
 
 import hashlib
-import json
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from lrsr.errors import InputError
 from lrsr.files import write_bytes
+from lrsr.journal import add_lines, read_lines
 from lrsr.onnx import sha256_of
 
 RECORD = "upscaled.jsonl"
@@ -31,14 +30,8 @@ class Made:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._rows: dict[str, list[dict[str, Any]]] = {}
-        try:
-            path = folder / RECORD
-            lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"cannot read {path} ({error}): choose another out") from error
-        for line in lines:
-            with suppress(ValueError, TypeError, KeyError):  # a line that a kill cut short
-                row = json.loads(line)
+        for row in read_lines(folder / RECORD):
+            if "file" in row:
                 self._rows.setdefault(row["file"], []).append(row)
 
     def source_of(self, target: Path) -> str | None:
@@ -89,12 +82,7 @@ class Made:
             "source_sha256": _digest(made_of),
             "made_by": dict(made_by),
         }
-        try:
-            with (self._folder / RECORD).open("a", encoding="utf-8") as record:
-                record.write(f"\n{json.dumps(row, ensure_ascii=False)}")  # after a line cut short
-        except OSError as error:
-            why = error.strerror or error
-            raise InputError(f"cannot write {self._folder / RECORD}: {why}; free space") from error
+        add_lines(self._folder / RECORD, [row])
         self._rows.setdefault(name, []).append(row)
         write_bytes(target, content, durable=False)
 

@@ -26,7 +26,7 @@ from lrsr.experiments.report.panel import Panel
 from lrsr.experiments.systems import Comparer, Comparison, known_landmarks
 from lrsr.experiments.table import Record, evaluate, with_holm
 from lrsr.files import write_json, write_text
-from lrsr.pages import write_page
+from lrsr.pages import title_of, write_page
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.source import read_photographs
 from lrsr.provenance import versions
@@ -329,7 +329,7 @@ class Own(Design):
         write_page(
             folder,
             "own",
-            title=config["name"].replace("_", " ").capitalize(),
+            title=title_of(config["name"]),
             question=config["question"],
             settings={**config, "recognition": results["recognition"]},
             done=_DONE,

@@ -102,8 +102,9 @@ class PairComparison:
 
     def __post_init__(self) -> None:
         among = self.among
-        told = self.recognition.landmarks == ("own",)
-        require(told, "recognition.landmarks", "shared", "own: nobody knows any others")
+        *others, last = self.recognition.landmarks
+        found, given = ([*others, last] == ["own"], "both" if others else last)
+        require(found, "recognition.landmarks", given, "own: nobody knows any others")
         for part in ("option", "ipd_px", "method"):
             value = getattr(among, part)
             require(not value or self.scores is not None, part, value, "scores=FILE besides")

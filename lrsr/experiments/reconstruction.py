@@ -1,7 +1,5 @@
 """What does ``lrsr reconstruct`` do? Photographs become people, or are refused in one line each."""
 
-import csv
-import io
 import logging
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,7 +10,6 @@ import cv2
 import numpy as np
 
 from lrsr.configuration import require
-from lrsr.errors import InputError
 from lrsr.experiments.intake import Intake, Told, counted, write_people
 from lrsr.experiments.report.reconstructed import draw_reconstruction
 from lrsr.files import write_bytes
@@ -25,6 +22,7 @@ from lrsr.pictures.image_files import SUFFIXES, read_file
 from lrsr.pictures.maker import Maker
 from lrsr.pictures.recipe import digest
 from lrsr.rendering.scene import Quality as Rendering
+from lrsr.tables import read_rows
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -135,16 +133,8 @@ class Reconstructing:
         if self.ages is None:
             logger.warning("ages=null: everybody is an adult on your word")
             return {}
-        try:
-            rows = list(csv.DictReader(io.StringIO(self.ages.read_text(encoding="utf-8-sig"))))
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise InputError(f"ages={self.ages} cannot be read ({error}): give a CSV file") from (
-                error
-            )
-        for column in ("file", "age_years"):
-            missing = not rows or column not in rows[0]
-            require(not missing, "ages", self.ages, f"a CSV file with a column {column}")
-        ages = {row["file"]: row["age_years"] or "" for row in rows}
+        rows = read_rows(self.ages, ("file", "age_years"), "ages=CSV says how old everybody is")
+        ages = {row["file"].strip(): row["age_years"].strip() for _, row in rows}
         root = self.images if self.images.is_dir() else self.images.parent
         found = {one: _why_not(ages.get(one.relative_to(root).as_posix())) for one in sources}
         return {source: why for source, why in found.items() if why}

@@ -17,7 +17,7 @@ from lrsr.experiments.design import Design
 from lrsr.experiments.further import NAMES
 from lrsr.experiments.table import Record
 from lrsr.experiments.trial import Outcome, Trial
-from lrsr.pictures.source import Photographs
+from lrsr.pictures.source import Photographs, Source
 
 _TARGET_FMRS = (None, 0.01)
 """Where thresholds are set on the development people: at their equal error rate, at this FMR."""
@@ -78,9 +78,12 @@ class SetTrial(Trial):
 
     Attributes:
         part: Which; its design is the trial's.
+        looked: The probes of the part before and what the same recogniser has made of them: parts
+            that differ in the gallery alone share it.
     """
 
     part: Part = field(kw_only=True)
+    looked: list[tuple[Source, Any]] = field(default_factory=list, kw_only=True)
 
     @cached_property
     def added(self) -> dict[str, list[Record]]:
@@ -115,6 +118,12 @@ class SetTrial(Trial):
             ],
             replace(outcome.panel, title=title),
         )
+
+    def _look(self, condition: Any, probes: Any, references: Any) -> Any:
+        """Look at the probes once for all parts in a row that have the same; see Trial."""
+        if not any(before is probes for before, _ in self.looked):
+            self.looked[:] = [(probes, super()._look(condition, probes, references))]
+        return self.looked[0][1]
 
     def _judge(self, condition: Any, landmarks: Any, seen: Any, systems: Any, *more: Any) -> Any:
         """Judge what the protocol looks at, and add what it asks for besides; see Trial."""

@@ -23,7 +23,7 @@ from lrsr.files import write_json
 from lrsr.paths import path_if_any
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.maker import Maker
-from lrsr.pictures.source import Photographs
+from lrsr.pictures.source import Photographs, Source
 from lrsr.provenance import versions
 from lrsr.recognition.finder import Finder
 from lrsr.recognition.memory import Memory
@@ -144,11 +144,15 @@ class SurveillanceSet(Design, ABC):
         looks = (
             PerceptualDistance(self.lpips, device=self.recognition.device) if self.lpips else None
         )
+        looked: dict[str, list[tuple[Source, Any]]] = {name: [] for name in engines}
         trials = [
-            SetTrial(part.design, cache, engine, maker, finders, name, progress, looks, part=part)
+            SetTrial(
+                part.design, cache, engine, maker, finders, name, progress, looks,
+                part=part, looked=looked[name],
+            )
             for name, engine in engines.items()
             for part in parts
-        ]
+        ]  # fmt: skip
         known = {source for trial in trials for source in trial.landmarks}  # refused by now
         outcomes: list[Outcome] = []
         with score_file(folder) if self.save_scores else nullcontext() as table:

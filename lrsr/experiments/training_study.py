@@ -14,8 +14,8 @@ from lrsr.configuration import as_word, seed_of
 from lrsr.errors import InputError
 from lrsr.experiments.design import OF_AXES
 from lrsr.experiments.report.learning import draw_learning
-from lrsr.files import write_bytes, write_json
-from lrsr.pages import png_uri, write_page
+from lrsr.files import read_bytes, write_bytes, write_json
+from lrsr.pages import png_uri, title_of, write_page
 from lrsr.paths import user_path
 from lrsr.pictures.cache import RenderCache
 from lrsr.provenance import versions
@@ -136,7 +136,7 @@ class TrainingStudy:
         write_page(
             folder,
             "training_study",
-            title=self.name.replace("_", " ").capitalize(),
+            title=title_of(self.name),
             question=self.question,
             answer=sentences,
             rows=rows,
@@ -176,7 +176,7 @@ class TrainingStudy:
 
     def _read(self, path: Path) -> Run:
         try:
-            told = json.loads(path.read_text())
+            told = json.loads(read_bytes(path))
             history, settings = told["history"], told["settings"]
             run = Run(path.parent.name, settings, history, bool(told["finished"]))
         except (OSError, ValueError, KeyError, TypeError) as error:

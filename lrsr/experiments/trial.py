@@ -248,19 +248,9 @@ class Trial:
         enrolled: _Enrolled,
         table: ScoreFile | None,
     ) -> Outcome:
-        probes, upscalers = self.probes(condition), self.design.upscalers
+        probes = self.probes(condition)
         references = {scale: self.references(condition, scale) for scale in self._scales}
-        seen = {method: self._nothing_seen(condition.detector) for method in upscalers}
-        people: dict[str, Labels] = {}
-        for place, some in chunks(probes):
-            true = {
-                scale: Truth(source.load(place.start, place.stop), self.engine, self.perceptual)
-                for scale, source in references.items()
-                if source is not None
-            }
-            people |= {one.identity_id: labels_of(one.traits) for one in some if one.traits}
-            for method, upscaler in upscalers.items():
-                seen[method].look(self.engine, some, upscaler, true.get(upscaler.scale))
+        seen, people = self._look(condition, probes, references)
         if "probe" in self._given:
             entries = self._given["probe"].entries
             people = {entry.identity_id: labels_of_entry(entry) for entry in entries}
@@ -296,6 +286,24 @@ class Trial:
             [one.further for one in judged.values()],
             panel,
         )
+
+    def _look(
+        self, condition: Condition, probes: Source, references: Mapping[int, Source | None]
+    ) -> tuple[dict[str, Seen], dict[str, Labels]]:
+        """Enlarge and embed the probes by each method; tell the groups of who was rendered."""
+        upscalers = self.design.upscalers
+        seen = {method: self._nothing_seen(condition.detector) for method in upscalers}
+        people: dict[str, Labels] = {}
+        for place, some in chunks(probes):
+            true = {
+                scale: Truth(source.load(place.start, place.stop), self.engine, self.perceptual)
+                for scale, source in references.items()
+                if source is not None
+            }
+            people |= {one.identity_id: labels_of(one.traits) for one in some if one.traits}
+            for method, upscaler in upscalers.items():
+                seen[method].look(self.engine, some, upscaler, true.get(upscaler.scale))
+        return seen, people
 
     def _judge(
         self,

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from lrsr import __version__
 from lrsr.configuration import as_word, require, whole_number, words
-from lrsr.errors import InputError, NonFiniteError
+from lrsr.errors import InputError
 from lrsr.experiments.made import RECORD, Made
 from lrsr.files import sweep
 from lrsr.paths import user_path
@@ -109,7 +109,7 @@ class Upscaling:
             progress: Show a bar.
 
         Raises:
-            InputError: There are no pictures.
+            InputError: There are no pictures, or a finished one cannot be written.
             ExceptionGroup: Of InputErrors: some were refused; all others are finished.
         """
         made, made_by = Made(folder), self.describe()
@@ -131,10 +131,11 @@ class Upscaling:
                         continue
                     made.check_free(job.target)
                     larger = self._enlarged(job, content, bar.update)
-                    made.write(job.target, larger, job.source, content, made_by)
-                    enlarged += 1
                 except InputError as error:
                     refused.append(error)
+                    continue
+                made.write(job.target, larger, job.source, content, made_by)  # or all stops
+                enlarged += 1
         told = "%d pictures enlarged, %d were so before, %d refused"
         logger.info(told, enlarged, as_before, len(refused))
         if refused:
@@ -191,13 +192,13 @@ class Upscaling:
             if opacity is not None:
                 pixels = spread_colours(pixels, opacity)
             tiles = {"tile_px": self.tile_px, "around_px": self.around_px}
-            pixels = enlarge(self.upscaler, pixels, **tiles, done=done)
+            try:
+                pixels = enlarge(self.upscaler, pixels, **tiles, done=done)
+            except InputError as error:
+                raise InputError(f"{job.source}: {error}") from error
             if opacity is not None:
                 opacity = enlarge(Bicubic(self.upscaler.scale), opacity, tile_px=self.tile_px)
             return encode(pixels, opacity, header, format=job.format, quality=self.quality)
-        except NonFiniteError as error:
-            label = self.upscaler.label
-            raise InputError(f"{job.source}: {label}: {error}; choose another sr") from error
         except MemoryError as error:
             raise InputError(f"{job.source} does not fit into memory: make it smaller") from error
 

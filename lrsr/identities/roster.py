@@ -13,9 +13,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
 
-from lrsr.configuration import require
+from lrsr.configuration import as_list, as_whole, require
 from lrsr.errors import InputError
-from lrsr.files import write_json
+from lrsr.files import read_bytes, write_json
 from lrsr.identities.person import Person
 from lrsr.identities.photographs.person import HALVES, Photographed, Somebody, read_photographed
 from lrsr.identities.population import (
@@ -168,7 +168,11 @@ class IdentityRange:
 
     def __post_init__(self) -> None:
         for name in ("ancestry", "age_years"):  # a configuration hands out lists
-            object.__setattr__(self, name, tuple(getattr(self, name)))
+            given = as_list(getattr(self, name), f"identities.{name}")
+            object.__setattr__(self, name, tuple(given))
+        for name in ("start", "count"):
+            whole = as_whole(getattr(self, name), f"identities.{name}")
+            object.__setattr__(self, name, whole)
         require(self.split in SPLITS, "identities.split", self.split, f"one of {', '.join(SPLITS)}")
         last = LARGEST_INDEX - self.count + 1
         require(self.count >= 1, "identities.count", self.count, "at least 1")
@@ -273,7 +277,7 @@ def _read_roster(path: Path) -> Roster:
             another recipe of heads; the message names the file and the remedy.
     """
     try:
-        content = json.loads(path.read_bytes())  # of any Unicode, with a mark or without
+        content = json.loads(read_bytes(path))  # of any Unicode, with a mark or without
     except (OSError, ValueError, RecursionError) as error:
         reason = getattr(error, "strerror", None) or "no JSON"
         raise InputError(f"cannot read {path}: {reason}; lrsr identities makes one") from error

@@ -20,7 +20,7 @@ from safetensors.torch import load, save
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
-from lrsr.files import sweep, write_bytes
+from lrsr.files import read_bytes, sweep, write_bytes
 from lrsr.identities.person import Traits
 from lrsr.images import check_images
 from lrsr.pictures.recipe import Recipe, canonical, digest
@@ -74,7 +74,7 @@ class RenderCache:
         """
         path = self.path(key)
         try:
-            content = path.read_bytes()
+            content = read_bytes(path)
         except FileNotFoundError:
             return None
         except OSError as error:

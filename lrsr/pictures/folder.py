@@ -6,11 +6,10 @@ without one is read, too: pictures in a sub-folder show the person that it is na
 the person that the file is named after.
 """
 
-import codecs
 import csv
 import io
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from pathlib import Path, PurePosixPath
@@ -24,6 +23,7 @@ from lrsr.files import write_text
 from lrsr.identities.person import Traits
 from lrsr.pictures.image_files import SUFFIXES, read_image
 from lrsr.pictures.picture import Picture
+from lrsr.tables import read_rows
 
 MANIFEST = "manifest.csv"
 
@@ -103,7 +103,6 @@ class Entry:
 
 
 _COLUMNS = tuple(each.name for each in fields(Entry) if each.name != "further")
-_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _REQUIRED = ("file", "identity_id")
 
 
@@ -157,6 +156,7 @@ def read_folder(folder: Path) -> list[Entry]:
     Raises:
         InputError: There is no such folder, no picture in it, or its manifest cannot be used.
     """
+    folder = Path(folder)  # a notebook may give a word
     if not folder.is_dir():
         raise InputError(f"{folder} is no folder: give one that holds pictures")
     if (folder / MANIFEST).exists():
@@ -198,7 +198,7 @@ def read_picture(folder: Path, entry: Entry) -> Picture:
 def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
     """Read and check ``folder/manifest.csv``, as any program may have saved it.
 
-    Another order of columns, further ones and blank lines are fine; see :func:`open_table`.
+    Another order of columns, further ones and blank lines are fine; see :mod:`lrsr.tables`.
 
     Args:
         folder: Holds the manifest and, at or below it, the pictures.
@@ -210,65 +210,16 @@ def read_manifest(folder: Path, *, pictures: bool = True) -> list[Entry]:
             file and line.
     """
     path = folder / MANIFEST
-    reader = open_table(path, "lrsr render makes one")
-    try:
-        return list(_entries(path, reader, pictures))
-    except csv.Error as error:
-        raise InputError(f"{path}, line {reader.line_num}: {error}; make it again") from error
-
-
-def open_table(path: Path, remedy: str) -> Any:
-    """Return what ``csv.reader`` returns of a table, as any program may have saved it.
-
-    A mark of the byte order, UTF-16 behind one, other ends of lines, and semicolons or tabs between
-    columns are all fine.
-
-    Raises:
-        InputError: It cannot be read: the message ends in ``remedy``, or it is no UTF-8.
-    """
-    try:
-        content = path.read_bytes()
-        text = content.decode("utf-16" if content.startswith(_UTF_16) else "utf-8-sig")
-    except OSError as error:
-        reason = error.strerror or error
-        raise InputError(f"cannot read {path}: {reason}; {remedy}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"cannot read {path}: {error}; save it as UTF-8") from error
-    text = text.lstrip("\ufeff")  # two programs may have put a mark each
-    head = text.partition("\n")[0]
-    separator = max(",;\t", key=head.count)
-    return csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
-
-
-def _entries(path: Path, reader: Any, pictures: bool) -> Iterator[Entry]:
-    """Yield what the rows say; ``reader`` is what ``csv.reader`` returns.
-
-    Raises:
-        InputError: See :func:`read_manifest`.
-    """
-    rows = (cells for cells in reader if "".join(cells).strip())  # tables end in blank lines
-    names = [name.strip() for name in next(rows, [])]
-    for name in _REQUIRED:
-        if name not in names:
-            there = ", ".join(filter(None, names))[:200]
-            raise InputError(f"{path}, line 1: no column {name} among {there or 'none'}; add it")
-    for name in filter(None, names):
-        if names.count(name) > 1:
-            raise InputError(f"{path}, line 1: {names.count(name)} columns {name}; rename one")
+    entries: list[Entry] = []
     seen: set[PurePosixPath] = set()
-    for cells in rows:
-        if "".join(cells[len(names) :]).strip():
-            raise InputError(
-                f"{path}, line {reader.line_num}: {len(cells)} cells for {len(names)} columns;"
-                ' put text that holds a separator between "quotes"'
-            )
-        values = dict(zip(names, cells, strict=False))  # what is missing at the end is empty
-        entry = _entry(path, reader.line_num, values, pictures)
+    for line, values in read_rows(path, _REQUIRED, "lrsr render makes one"):
+        entry = _entry(path, line, values, pictures)
         place = PurePosixPath(entry.file)
         if place in seen:
-            raise InputError(f"{path}, line {reader.line_num}: {place} is named twice")
+            raise InputError(f"{path}, line {line}: {place} is named twice")
         seen.add(place)
-        yield entry
+        entries.append(entry)
+    return entries
 
 
 def _entry(path: Path, line: int, values: Mapping[str, str], pictures: bool) -> Entry:

@@ -8,8 +8,9 @@ import torch
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
-from lrsr.files import write_bytes
+from lrsr.files import read_bytes, write_bytes
 from lrsr.identities.photographs.picture_file import decode
+from lrsr.images import check_images
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm")
 """Of files that are taken for pictures, in small letters."""
@@ -22,10 +23,13 @@ def write_png(path: Path, image: torch.Tensor, *, bits: int = 8) -> None:
 
     Raises:
         InputError: The folder cannot be written or the disk is full.
+        ImageContractError: It is no picture, or one of whole numbers.
+        NonFiniteError: It holds a NaN or an infinity.
         ValueError: ``bits`` is neither 8 nor 16.
     """
     if bits not in (8, 16):
         raise ValueError(f"bits={bits}: wanted 8 or 16")
+    check_images(image[None] if isinstance(image, torch.Tensor) else image, name="image")
     pixels = _to_pixels(image, np.uint8 if bits == 8 else np.uint16)
     _, file = cv2.imencode(".png", np.ascontiguousarray(pixels[..., ::-1]))
     write_bytes(path, file.tobytes(), durable=False)  # quickly made again
@@ -51,7 +55,7 @@ def read_file(path: Path) -> bytes:
     """
     check_name(path)
     try:
-        return path.read_bytes()
+        return read_bytes(path)
     except OSError as error:
         raise InputError(
             f"cannot read {path}: {error.strerror or error}; check the path and its rights"

@@ -15,9 +15,10 @@ import numpy as np
 
 from lrsr.errors import InputError
 from lrsr.evaluation.arranged import Templates
-from lrsr.pictures.folder import Entry, open_table, read_picture
+from lrsr.pictures.folder import Entry, read_picture
 from lrsr.pictures.picture import Picture
 from lrsr.pictures.source import Photographs
+from lrsr.tables import open_table
 
 _SYNONYMS = {"file": "filename", "frame_num": "frame", "video_filename": "video"}
 """What one of the sets calls a column of another."""

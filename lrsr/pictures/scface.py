@@ -17,6 +17,7 @@ from typing import Literal, get_args
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
+from lrsr.files import read_bytes
 from lrsr.images import resize_bicubic, scale_points
 from lrsr.pictures.folder import Entry, read_picture
 from lrsr.pictures.image_files import SUFFIXES
@@ -179,11 +180,13 @@ def _read_coordinates(file: Path) -> Iterator[tuple[str, tuple[float, ...]]]:
     """Yield name and landmarks of every line that has a picture's name and eight numbers.
 
     Raises:
-        InputError: The file cannot be read, or what follows a name is no number.
+        InputError: The file cannot be read, or what follows a name is no number such as 8.5.
     """
     for number, line in enumerate(_lines(file), start=1):
         words = line.replace(",", " ").replace(";", " ").split()
         stem = words[0].partition(".")[0].lower() if words else ""
+        if len(words) == 17 and "," in line and _NAME.fullmatch(stem):
+            raise InputError(f"{file}, line {number}: decimal commas; save it with decimal points")
         if len(words) == 9 and _NAME.fullmatch(stem):
             values = _numbers(words[1:], file, number)
             yield (
@@ -211,7 +214,7 @@ def _read_pos(file: Path) -> tuple[float, ...]:
 
 def _lines(file: Path) -> list[str]:
     try:
-        return file.read_text(encoding="utf-8", errors="replace").splitlines()
+        return read_bytes(file).decode("utf-8-sig", errors="replace").splitlines()
     except OSError as error:
         raise InputError(f"cannot read {file}: {error.strerror or error}; mend it") from error
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lrsr.errors import InputError
+from lrsr.files import check_file
 from lrsr.pictures.folder import Entry
 from lrsr.pictures.source import Photographs
 
@@ -84,7 +85,7 @@ def _read(path: Path, *names: str) -> dict[str, Any]:
 
     broken = (MatReadError, ValueError, TypeError, NotImplementedError, LookupError)
     try:
-        found: dict[str, Any] = loadmat(path, variable_names=names, squeeze_me=True)
+        found: dict[str, Any] = loadmat(check_file(path), variable_names=names, squeeze_me=True)
     except (OSError, *broken, struct.error, zlib.error) as error:
         raise InputError(f"cannot read {path}: {error}; download it again") from error
     for name in names:

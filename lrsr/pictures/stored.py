@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from PIL import ExifTags, Image, ImageOps, TiffImagePlugin, UnidentifiedImageError
 
 from lrsr.errors import InputError
+from lrsr.files import check_file
 from lrsr.identities.photographs.picture_file import decode
 from lrsr.pictures.image_files import check_name
 
@@ -173,7 +174,9 @@ def _opened(content: bytes | Path, path: Path) -> Iterator[Image.Image]:
     try:
         with (
             catch_warnings(action="ignore"),  # of many pixels, and of what is odd in Exif
-            Image.open(io.BytesIO(content) if isinstance(content, bytes) else content) as image,
+            Image.open(
+                io.BytesIO(content) if isinstance(content, bytes) else check_file(content)
+            ) as image,
         ):
             yield image
     except Image.DecompressionBombError as error:
@@ -185,6 +188,9 @@ def _opened(content: bytes | Path, path: Path) -> Iterator[Image.Image]:
     except _BROKEN as error:
         if isinstance(error, InputError):
             raise
+        if isinstance(error, OSError) and error.filename is not None:
+            why = error.strerror
+            raise InputError(f"cannot read {path}: {why}; check the path and its rights") from error
         raise InputError(f"{path} is a broken picture ({error}): copy it again") from error
 
 

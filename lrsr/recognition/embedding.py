@@ -25,14 +25,14 @@ class Embedder:
     """
 
     def __init__(self, model: Path, *, batch_size: int = 64, device: str = "cpu") -> None:
-        self.model = model
-        self.contract: Contract = read_contract(model)
+        self.model = Path(model)  # a notebook may give a word
+        self.contract: Contract = read_contract(self.model)
         self.batch_size = batch_size
-        self._session = open_session(model, providers_on(device))
+        self._session = open_session(self.model, providers_on(device))
         shape, dimension = self.contract.input_shape, self.contract.dimension
         words = f"float {self.contract.layout} {shape}", f"dimension {dimension}"
         ends = (None, *shape), (None, dimension)
-        check_graph(self._session, model, "an embedder", *ends, words, self.contract.name)
+        check_graph(self._session, self.model, "an embedder", *ends, words, self.contract.name)
 
     @property
     def providers(self) -> tuple[str, ...]:
@@ -57,9 +57,8 @@ class Embedder:
             return np.empty((0, self.contract.dimension), dtype=np.float32)
         inputs = self._normalise(check_srgb(crops, name="crops"))
         size, output = self.batch_size, self.contract.name
-        return _unit_rows(
-            run_session(self._session, self.model, inputs, batch_size=size, output=output)
-        )
+        rows = run_session(self._session, self.model, inputs, batch_size=size, output=output)
+        return _unit_rows(rows)
 
     def _normalise(self, crops: torch.Tensor) -> NDArray[np.float32]:
         """Turn srgb [0, 1] into what the contract declares."""

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lrsr.files import write_bytes
+from lrsr.files import check_file, write_bytes
 
 _FORMAT = 1
 """Part of every name: a change of what the code makes of a picture leaves old entries unread."""
@@ -59,7 +59,7 @@ class Memory:
         name = digest.hexdigest()
         path = self.folder / name[:2] / f"{name}.npy"
         with suppress(OSError, ValueError, EOFError):
-            kept = np.load(path, allow_pickle=False)
+            kept = np.load(check_file(path), allow_pickle=False)
             if kept.dtype == np.float32 and len(kept) == len(arrays[0]):
                 return np.asarray(kept)
         made, content = make(), io.BytesIO()

@@ -23,7 +23,7 @@ from safetensors.numpy import save
 from lrsr.errors import InputError
 from lrsr.evaluation.paired_gaussians import paired_log_ratios
 from lrsr.evaluation.scores import ScoreSource
-from lrsr.files import write_bytes
+from lrsr.files import why_no_file, write_bytes
 from lrsr.images import check_srgb, luminance
 from lrsr.onnx import sha256_of
 from lrsr.recognition.alignment import CROP_PX, TEMPLATE_IPD_PX, align
@@ -141,8 +141,8 @@ def _read_space(path: Path) -> tuple[CommonSpace, Card]:
     Raises:
         InputError: The file is missing, broken, or of something else.
     """
-    if not path.is_file():
-        raise InputError(f"no weights at {path}: lrsr train recognition={NAME} leaves some")
+    if why := why_no_file(path):
+        raise InputError(f"{path} {why}: lrsr train recognition={NAME} leaves weights")
     try:
         with safe_open(path, framework="np") as file:
             text, names = file.metadata() or {}, set(file.keys())

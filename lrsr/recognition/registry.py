@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from lrsr.errors import InputError
+from lrsr.files import read_bytes
 from lrsr.paths import asset, models_folder, user_path
 
 Kind = Literal["recogniser", "detector"]
@@ -98,7 +99,7 @@ def records() -> dict[str, dict[str, Any]]:
     found = {}
     for path in sorted(models_folder().glob("*.json")):
         try:
-            record = json.loads(path.read_text(encoding="utf-8"))
+            record = json.loads(read_bytes(path))
             kind, files = record["kind"], record["files"]
             whole = isinstance(kind, str) and all(
                 isinstance(value, str) for value in files.values()

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from lrsr.errors import InputError
-from lrsr.files import write_json
+from lrsr.files import read_bytes, write_json
 from lrsr.paths import cache_folder
 
 logger = logging.getLogger(__name__)
@@ -245,7 +245,7 @@ def _probe(variant: str, library: Path | None, stamp: str) -> str:
     if (key, os.getpid()) in _GIVEN_UP:
         return _TIMED_OUT
     try:
-        return str(json.loads(record.read_text())["fault"])
+        return str(json.loads(read_bytes(record))["fault"])
     except (OSError, ValueError, KeyError, TypeError):
         pass
     fault = _run_probe(variant, library)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from lrsr.configuration import as_parts, settle
 from lrsr.errors import InputError
+from lrsr.files import read_bytes
 from lrsr.rendering.lights import NEW, Light, Panel, check_colour, colour_of, spare
 
 
@@ -83,5 +84,5 @@ class Lighting:
         values = spare(self)
         values["lights"] = [spare(light) for light in self.lights]
         if self.map is not None:
-            values["map"] = hashlib.sha256(Path(self.map).read_bytes()).hexdigest()
+            values["map"] = hashlib.sha256(read_bytes(Path(self.map))).hexdigest()
         return values

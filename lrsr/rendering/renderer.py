@@ -16,7 +16,7 @@ from lrsr.rendering.geometry import Viewpoint, place_camera
 from lrsr.rendering.lighting import Lighting
 from lrsr.rendering.live_scene import LiveScene
 from lrsr.rendering.radiance import Radiance
-from lrsr.rendering.scene import Film, Quality, Scene
+from lrsr.rendering.scene import FEWEST_ON_FINE, Film, Quality, Scene
 from lrsr.rendering.skin import REFLECTIVE, Skin
 from lrsr.rendering.spectral_upsampling import meter_bands
 from lrsr.rendering.survey import Survey, survey
@@ -27,9 +27,6 @@ RENDERER_VERSION = "3"
 
 SPECTRA_VERSION = "1"
 """Changes whenever it would do so only in variants that trace wavelengths."""
-
-_FEWEST_ON_FINE = 16
-"""No pixel of a fine film has fewer samples, unless the ×1 film is to have fewer."""
 
 _ROULETTE_DEPTH = 2
 """From which bounce on dim paths may end by chance: a third less time, 7 % more noise."""
@@ -159,7 +156,7 @@ def viewpoint_of(head: Head, scene: Scene, film: Film, camera_m: float | None = 
 
 def _samples(samples_per_pixel: int, scale: int) -> int:
     """Return how many each pixel of a film has."""
-    return max(round(samples_per_pixel / scale**2), min(samples_per_pixel, _FEWEST_ON_FINE))
+    return max(round(samples_per_pixel / scale**2), min(samples_per_pixel, FEWEST_ON_FINE))
 
 
 def _spectrum(lighting: Lighting, bands: int) -> dict[str, Any]:

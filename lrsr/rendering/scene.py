@@ -21,6 +21,9 @@ _SCALES = (1, 2, 3, 4)
 _LEAST_SAMPLES = 64
 """Samples a pixel of a large face, unless it is told to take fewer."""
 
+FEWEST_ON_FINE = 16
+"""No pixel of a fine film has fewer samples, unless the ×1 film is to have fewer."""
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -129,9 +132,10 @@ class Quality:
     def plain(self) -> dict[str, Any]:
         """Return everything that changes the pixels in plain values.
 
-        Fewer than 16 samples are marked, for what older caches keep of them has 16.
+        Fewer than :data:`FEWEST_ON_FINE` samples are marked, for what older caches keep of them has
+        as many.
         """
-        few = {"few": True} if self.samples_per_pixel < 16 else {}
+        few = {"few": True} if self.samples_per_pixel < FEWEST_ON_FINE else {}
         return {**asdict(self), "skin": self.skin.plain(), **few}
 
     def at(self, ipd_px: float) -> "Quality":

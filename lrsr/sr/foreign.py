@@ -18,6 +18,7 @@ from safetensors.torch import load_file
 
 from lrsr.configuration import as_whole, require
 from lrsr.errors import InputError
+from lrsr.files import why_no_file
 from lrsr.onnx import sha256_of
 from lrsr.sr.upscaler import OfNetwork
 from lrsr.sr.weights import ENLARGED_BY, LARGEST_SCALE
@@ -60,8 +61,8 @@ class Foreign(OfNetwork):
             raise InputError(
                 f"{path}: spandrel, which reads it, is missing; pip install 'lrsr[sr]'"
             )
-        if not path.is_file():
-            raise InputError(f"{path} is missing: give a .pth or .safetensors file")
+        if why := why_no_file(path):
+            raise InputError(f"{path} {why}: give a .pth or .safetensors file")
         self._path, self._network = path, _build(path, _read(path))
         own = self._network.scale
         scale = own if scale is None else as_whole(scale, "scale")

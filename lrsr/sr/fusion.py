@@ -12,6 +12,7 @@ from lrsr.images import check_images, check_srgb, scale_points
 from lrsr.resampling import bicubic_matrix, sample_bicubic
 from lrsr.sr.registration import Correlation, Registration
 from lrsr.sr.tiles import check_size
+from lrsr.sr.upscaler import blaming_weights
 from lrsr.sr.weights import LARGEST_SCALE
 
 
@@ -48,6 +49,7 @@ class Registering(ABC):
     """What every fusion shares: the contract at both ends, registration, batches."""
 
     learned = False
+    about: dict[str, object]
     _kind: str
     _batch_size = 16
 
@@ -56,6 +58,7 @@ class Registering(ABC):
         require(1 <= scale <= LARGEST_SCALE, "scale", scale, f"1 to {LARGEST_SCALE}")
         self.label, self.scale = label, scale
         self._register = registration or Correlation()
+        self.about = {}
 
     @torch.no_grad()
     def __call__(
@@ -66,16 +69,18 @@ class Registering(ABC):
         Raises:
             ImageContractError: The bursts break the contract or lie outside [0, 1], or there are no
                 landmarks although the registration needs them.
+            InputError: A network returned a NaN or an infinity.
         """
-        if getattr(srgb, "ndim", 0) != 5 or 0 in srgb.shape:
-            got = tuple(getattr(srgb, "shape", ()))
-            raise ImageContractError(f"bursts: got shape {got}, wanted (B, N, 3, H, W)")
+        if not isinstance(srgb, torch.Tensor) or srgb.ndim != 5 or 0 in srgb.shape:
+            got = f"{type(srgb).__name__} {tuple(getattr(srgb, 'shape', ()))}"
+            raise ImageContractError(f"bursts: got {got}, wanted a torch.Tensor (B, N, 3, H, W)")
         check_srgb(srgb.flatten(0, 1), name="bursts", may_need_gradient=True)
         motions = self._register(srgb.detach(), landmarks_px)
         parts = []
         few = (torch.split(both, self._batch_size) for both in (srgb.detach(), motions))
         for frames, moved in zip(*few, strict=True):
-            larger = check_images(self._fuse(frames, moved), name=self.label)
+            with blaming_weights(self.label, self.about):
+                larger = check_images(self._fuse(frames, moved), name=self.label)
             check_size(larger, frames[:, 0], self.scale, self.label)
             parts.append(larger.clamp(0.0, 1.0))
         return torch.cat(parts)

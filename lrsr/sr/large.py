@@ -46,7 +46,7 @@ def enlarge(
 
     Raises:
         ImageContractError: The upscaler enlarges by another factor than it says.
-        NonFiniteError: A network returned a NaN or an infinity.
+        InputError: A network returned a NaN or an infinity.
 
     Example:
         >>> from lrsr.sr import Bicubic

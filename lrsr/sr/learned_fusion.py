@@ -41,7 +41,7 @@ class Learned(Registering):
             raise InputError(f"{card.architecture} takes {card.input}, not a burst: give it to sr=")
         super().__init__(card.scale, registration, label)
         self._network, self._kind = network, card.architecture
-        self.about: dict[str, object] = {"lr_made_by": card.lr_made_by}
+        self.about["lr_made_by"] = card.lr_made_by
 
     def _fuse(self, frames: torch.Tensor, motions: torch.Tensor) -> torch.Tensor:
         fused: torch.Tensor = self._network(laid_over(frames, motions, self.scale))

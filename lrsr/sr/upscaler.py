@@ -1,6 +1,8 @@
 """How is a small srgb picture made larger? One protocol, and everything that keeps it."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from math import ceil
 from numbers import Integral
 from typing import Protocol
@@ -8,7 +10,7 @@ from typing import Protocol
 import torch
 
 from lrsr.configuration import as_word
-from lrsr.errors import InputError
+from lrsr.errors import InputError, NonFiniteError
 from lrsr.images import (
     check_images,
     check_srgb,
@@ -79,12 +81,13 @@ class OneStep:
         Raises:
             ImageContractError: The pictures break the contract or lie outside [0, 1], or a network
                 enlarges by another factor than its card says.
-            NonFiniteError: A network returned a NaN or an infinity.
+            InputError: A network returned a NaN or an infinity.
         """
         check_srgb(srgb, may_need_gradient=True)
         parts = []
         for part in torch.split(srgb.detach(), self.batch_size):
-            larger = check_images(self._enlarge(part.to(self._device)), name=self.label)
+            with blaming_weights(self.label, self.about):
+                larger = check_images(self._enlarge(part.to(self._device)), name=self.label)
             check_size(larger, part, self.scale, self.label)
             parts.append(larger.clamp(0.0, 1.0))
         return torch.cat(parts).to(srgb.device)
@@ -228,6 +231,24 @@ class Repeated:
         """Return what the step says of itself, and how often it is taken."""
         own: dict[str, object] = {"label": self.label, "scale": self.scale, "times": self._times}
         return self._upscaler.describe() | own
+
+
+@contextmanager
+def blaming_weights(label: str, about: Mapping[str, object]) -> Iterator[None]:
+    """Say of a NaN that a method makes of good pictures that it is its weights' fault.
+
+    Args:
+        label: The method's name in tables.
+        about: What it says of itself, such as the "file" of its weights.
+
+    Raises:
+        InputError: It makes one, or an infinity.
+    """
+    try:
+        yield
+    except NonFiniteError as error:
+        name = f"{label} ({about['file']})" if about.get("file") else label
+        raise InputError(f"{name} makes no numbers ({error}): give other weights") from error
 
 
 def _is_whole(value: object) -> bool:

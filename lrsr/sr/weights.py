@@ -17,7 +17,7 @@ from safetensors.torch import save as save_tensors
 from torch import nn
 
 from lrsr.errors import InputError
-from lrsr.files import write_bytes
+from lrsr.files import why_no_file, write_bytes
 from lrsr.sr.networks import NETWORKS
 from lrsr.sr.networks.network import Network
 
@@ -110,11 +110,23 @@ def has_card(path: Path) -> bool:
 def write_weights(path: Path, network: nn.Module, card: Card) -> None:
     """Write the network's weights (float32) and their card as one safetensors file.
 
+    Equal weights and cards make equal bytes.
+
     Raises:
         InputError: The file cannot be written.
     """
     tensors = {k: v.detach().float().cpu().contiguous() for k, v in network.state_dict().items()}
-    write_bytes(path, save_tensors(tensors, metadata=card.as_text()))
+    write_bytes(path, _in_order(save_tensors(tensors, metadata=card.as_text())))
+
+
+def _in_order(content: bytes) -> bytes:
+    """Sort the card in a safetensors file's header, where the library has it in random order."""
+    end = 8 + int.from_bytes(content[:8], "little")
+    header = json.loads(content[8:end])
+    header["__metadata__"] = dict(sorted(header["__metadata__"].items()))
+    text = json.dumps(header, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 8)  # what follows is aligned
+    return len(text).to_bytes(8, "little") + text + content[end:]
 
 
 def read_weights(path: Path) -> tuple[Network, Card]:
@@ -127,8 +139,8 @@ def read_weights(path: Path) -> tuple[Network, Card]:
     Raises:
         InputError: The file is missing, broken, of another network, or holds a NaN.
     """
-    if not path.is_file():
-        raise InputError(f"no weights at {path}: give a .safetensors or .ckpt file of lrsr train")
+    if why := why_no_file(path):
+        raise InputError(f"{path} {why}: give a .safetensors or .ckpt file of lrsr train")
     tensors, text = _of_checkpoint(path) if path.suffix == ".ckpt" else _of_safetensors(path)
     try:
         card = Card.from_text(text)
@@ -149,6 +161,8 @@ def read_checkpoint(path: Path) -> dict[str, Any]:
         checkpoint = torch.load(path, map_location="cpu", weights_only=True)
     except Exception as error:  # broken bytes make the unpickler raise nearly anything
         reason = " ".join(str(error).split())[:200]
+        if "weights_only" in reason:  # torch's advice is to trust the file
+            reason = "it is broken, or holds more than numbers and words"
         raise InputError(f"{path} is no checkpoint of lrsr train: {reason}") from error
     if not isinstance(checkpoint, dict) or not isinstance(checkpoint.get("state_dict"), dict):
         raise InputError(f"{path} is no checkpoint of lrsr train: it holds no state_dict")
@@ -159,9 +173,12 @@ def _build(card: Card, tensors: Mapping[str, torch.Tensor]) -> Network:
     """Make the network and try it on a small picture.
 
     Raises:
-        InputError: A weight is not finite, or the picture comes back in another size.
+        InputError: A weight is no finite real number, or the picture comes back in another size.
     """
     network = blank_network(card)
+    for name, tensor in tensors.items():
+        if tensor.is_complex() or tensor.dtype == torch.bool:
+            raise InputError(f"{name} holds {tensor.dtype}, wanted real numbers")
     plain = torch.contiguous_format  # training may keep them otherwise, which rounds otherwise
     state = {name: t.float().clone(memory_format=plain) for name, t in tensors.items()}
     network.load_state_dict(state, assign=True)
@@ -191,5 +208,5 @@ def _of_checkpoint(path: Path) -> tuple[Mapping[str, torch.Tensor], Mapping[str,
     card = checkpoint.get("card")
     if not isinstance(card, dict):
         raise InputError(f"{path} is no checkpoint of lrsr train sr=...: it holds no card")
-    state, prefix = checkpoint["state_dict"], "network."
+    prefix, state = "network.", {str(k): v for k, v in checkpoint["state_dict"].items()}
     return {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}, card

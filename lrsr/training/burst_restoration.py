@@ -20,6 +20,7 @@ class BurstRestoration(Restoration):
     the base's; nothing is turned, as a turned frame's points lie in another order.
     """
 
+    lessons = ("bursts",)
     inputs = ("burst",)
     free = MappingProxyType({0: "B", 1: "N", 3: "H", 4: "W"})
 

@@ -49,6 +49,7 @@ class Identification(Learner):
     """
 
     monitor = "val/auc"
+    lessons = ("faces",)
 
     def __init__(
         self,

@@ -13,7 +13,7 @@ from lightning.pytorch import LightningModule
 from lightning.pytorch.utilities.types import OptimizerLRScheduler
 
 from lrsr.configuration import as_number, require
-from lrsr.errors import InputError, NonFiniteError
+from lrsr.errors import DivergenceError, InputError, NonFiniteError
 
 MakeOptimizer = partial[torch.optim.Optimizer]
 MakeScheduler = partial[torch.optim.lr_scheduler.LRScheduler]
@@ -33,6 +33,7 @@ class Learner(LightningModule):
     Attributes:
         monitor: The logged figure that tells the best epoch.
         mode: Is more better ("max") or less ("min")?
+        lessons: The options of ``conf/data`` that it learns from.
         history: Every epoch's figures.
 
     Raises:
@@ -41,6 +42,7 @@ class Learner(LightningModule):
 
     monitor: ClassVar[str]
     mode: ClassVar[Literal["max", "min"]] = "max"
+    lessons: ClassVar[tuple[str, ...]]
 
     def __init__(self, optimizer: MakeOptimizer, scheduler: MakeScheduler | None) -> None:
         super().__init__()
@@ -91,13 +93,16 @@ class Learner(LightningModule):
         """Return the loss of one batch.
 
         Raises:
-            NonFiniteError: The loss is NaN or infinite; the message says at which epoch and step.
+            DivergenceError: The loss is NaN or infinite; the message says at which epoch and step.
+            NonFiniteError: So is what was shown.
         """
         loss = self.loss(batch)
         if not math.isfinite(loss.item()):
-            raise NonFiniteError(
-                f"loss is {loss.item()} at epoch {self.current_epoch}, step {self.global_step}:"
-                f" {_culprit(batch)}"
+            told = f"loss is {loss.item()} at epoch {self.current_epoch}, step {self.global_step}"
+            if culprit := _culprit(batch):
+                raise NonFiniteError(f"{told}: {culprit}")
+            raise DivergenceError(
+                f"{told}: the patches are finite, so the weights diverged; lower the learning rate"
             )
         self.log("train/loss", loss, on_step=False, on_epoch=True, batch_size=len(batch[0]))
         return loss
@@ -156,4 +161,4 @@ def _culprit(batch: Any) -> str:
         bad = (~torch.isfinite(images)).reshape(len(images), -1).any(1).nonzero().flatten().tolist()
         if bad:
             return f"the {name} of patch {bad[0]} of the batch is not finite"
-    return "the patches are finite, so the weights diverged; lower the learning rate"
+    return ""

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from lrsr.configuration import as_number, as_whole, require
 from lrsr.errors import InputError
+from lrsr.paths import config_folder
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.sitting import read_burst, read_people, read_quality
-from lrsr.presets import build, value_of
+from lrsr.presets import build, presets, value_of
 from lrsr.training.images import Images
 from lrsr.training.mixed import Mixed
 from lrsr.training.pairs import Pairs
@@ -45,11 +46,13 @@ def read_lessons(config: "DictConfig", cache: RenderCache) -> Lessons:
         cache: Of renderings.
 
     Raises:
-        InputError: A value is wrong or missing, or the people are not of the split "train".
+        InputError: A value is wrong or missing, the network learns from something else, or the
+            people are not of the split "train".
     """
     from hydra.utils import get_class  # loaded by Hydra anyway, as the next one
     from omegaconf import OmegaConf
 
+    _refuse_others(config)
     for key in sorted(OmegaConf.missing_keys(config.data)):
         raise InputError(f"{key} must be given: add {key}=...")
     given: Any = OmegaConf.to_container(config.data, resolve=True)
@@ -63,6 +66,23 @@ def read_lessons(config: "DictConfig", cache: RenderCache) -> Lessons:
         raise InputError(f"data.{key}: no setting of data=mixed; --cfg job prints them")
     rendered, images = (_read(part, parts[part], config, cache) for part in (Pairs, Images))
     return Mixed(rendered=rendered, images=images, rendered_share=share)
+
+
+def _refuse_others(config: "DictConfig") -> None:
+    """Refuse what something else learns from.
+
+    Raises:
+        InputError: It is.
+    """
+    from hydra.utils import get_class  # loaded by Hydra anyway, as the next one
+    from omegaconf import OmegaConf
+
+    files = {name: config_folder() / "data" / f"{name}.yaml" for name in presets("data")}
+    kinds = {OmegaConf.select(OmegaConf.load(p), "_target_"): name for name, p in files.items()}
+    fits = getattr(get_class(config.module["_target_"]), "lessons", (*files,))
+    name = kinds.get(config.data["_target_"])  # somebody's own lessons have none
+    wish = f"{' or '.join(fits)}, from which this network learns"
+    require(name in (None, *fits), "data", name, wish)
 
 
 def _of(kind: Any, given: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from lrsr.configuration import as_list, as_whole, require, settle
 from lrsr.errors import InputError
@@ -37,6 +37,9 @@ class MixedResolution:
         InputError: A number is none, or there is nothing to try.
     """
 
+    lessons: ClassVar[tuple[str, ...]] = ("encounters",)
+    """Options of ``conf/data`` that it learns from."""
+
     components: Sequence[int]
     dimensions: Sequence[int]
     parts: int = 10
@@ -49,6 +52,8 @@ class MixedResolution:
             holds = bool(given) and min(as_whole(one, f"module.{name}") for one in given) >= 1
             require(holds, f"module.{name}", given, "whole numbers from 1 on, e.g. [10,20]")
         require(self.parts >= 2, "module.parts", self.parts, "at least 2")
+        least, most = min(self.dimensions), max(self.components)
+        require(least <= most, "module.dimensions", [*self.dimensions], f"one of {most} at most")
 
     def spaces(self, met: Met) -> dict[tuple[int, int], CommonSpace]:
         """Learn from people a space of each size, by components and dimension.
@@ -60,18 +65,31 @@ class MixedResolution:
         probes, people, gallery = met
         sides = Sides(whiten(probes, most), people, whiten(gallery, most))
         parts = parted(probes, people, gallery, most, self.parts)
-        there = min(some.components for some in (sides, *(part.sides for part in parts))) - 1
+        there = min(some.components for some in (sides, *(part.sides for part in parts)))
+        sizes = self._sizes(len(gallery), there)
+        return {size: judged_by_others(pair(sides, *size), parts, size[0]) for size in sizes}
+
+    def _sizes(self, people: int, there: int) -> list[tuple[int, int]]:
+        """Return components and dimensions that can be tried.
+
+        Args:
+            people: To learn from.
+            there: Components that all parts of them have.
+
+        Raises:
+            InputError: There are none.
+        """
         sizes = [
             (components, dimension)
             for components, dimension in product(self.components, self.dimensions)
-            if dimension <= components <= there
+            if dimension <= components < there
         ]
         if not sizes:
             raise InputError(
                 f"module.components={list(self.components)}, dimensions={list(self.dimensions)}:"
-                f" {len(met.gallery)} people suffice for none; give more identities.count"
+                f" {people} people suffice for none; give more identities.count"
             )
-        return {size: judged_by_others(pair(sides, *size), parts, size[0]) for size in sizes}
+        return sizes
 
     def train(
         self,
@@ -99,6 +117,9 @@ class MixedResolution:
         """
         if resume:
             refuse_other_run(folder, depends_on)
+        people = len(data.people)
+        left_out = -(-people // min(self.parts, people))
+        self._sizes(people, people - left_out - 1)  # of so many, their mean taken away, at most
         forget(folder)
         data.prepare_data()
         data.setup()

@@ -68,7 +68,8 @@ class LuminancePatches:
         require(self.stride_px > 0, "data.patches.stride_px", self.stride_px, "at least 1")
         if (self.patch_px - self.label_px) % 2 or self.patch_px < self.label_px:
             raise ImageContractError(
-                f"a label of {self.label_px} is not centred in a patch of {self.patch_px}"
+                f"data.patches.label_px={self.label_px}: not centred in a patch of {self.patch_px}"
+                " px; give an odd number for an odd one, and no more"
             )
 
     def least_px(self, scale: int) -> int:

@@ -50,6 +50,7 @@ class PositionMapping(Learner):
 
     monitor = "val/off_px"
     mode = "min"
+    lessons = ("position_maps",)
     weights: torch.Tensor
     face: torch.Tensor
 

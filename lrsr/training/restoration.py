@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from torch.nn import functional as F
 
 from lrsr.configuration import as_flag, as_mapping, as_number, as_whole, as_word
-from lrsr.errors import InputError, NonFiniteError
+from lrsr.errors import DivergenceError, InputError
 from lrsr.evaluation.quality import psnr_y
 from lrsr.pictures.recipe import derived_seed
+from lrsr.presets import preset, presets
 from lrsr.sr.networks import NETWORKS
 from lrsr.sr.networks.network import Network
 from lrsr.sr.upscaler import Bicubic, Luminance, Rgb
@@ -22,6 +23,7 @@ from lrsr.sr.weights import ENLARGED_BY, Card, read_weights, write_weights
 from lrsr.training.export import export_onnx
 from lrsr.training.learner import Learner, MakeOptimizer, MakeScheduler
 from lrsr.training.losses.term import Term
+from lrsr.training.patches import Patches
 
 _LOSSES: Mapping[str, Callable[[torch.Tensor, torch.Tensor], torch.Tensor]] = {
     "mse": F.mse_loss,
@@ -57,6 +59,7 @@ class Restoration(Learner):
     """
 
     monitor = "val/psnr_y_db"
+    lessons: ClassVar[tuple[str, ...]] = ("rendered", "images", "mixed")
     inputs: ClassVar[tuple[str, ...]] = ("luminance", "rgb")
     """What its networks may take."""
     free: ClassVar[Mapping[int, str]] = MappingProxyType({0: "N", 2: "H", 3: "W"})
@@ -110,6 +113,38 @@ class Restoration(Learner):
         for part in slower:
             if part not in dict(network.named_children()):
                 raise InputError(f"module.slower={part}: {architecture} has no such part")
+
+    def try_patches(self, patches: Patches) -> None:
+        """See on random pictures that the network makes what patches want of what they show.
+
+        Raises:
+            InputError: It does not.
+        """
+        if self._takes(patches):
+            return
+        fit = [name for name in presets("patches") if self._takes(preset("patches", name))]
+        name, network = type(patches).__name__, self.card.architecture
+        raise InputError(
+            f"data.patches._target_={name}: {network} learns from others; give"
+            f" patches={' or '.join(fit)}"
+        )
+
+    def _takes(self, patches: Patches) -> bool:
+        random, scale = torch.Generator().manual_seed(0), self.card.scale
+        frames = (2,) if "burst" in self.inputs else ()
+        side = patches.least_px(scale)
+        small = torch.rand(1, *frames, 3, side, side, generator=random)
+        large = torch.rand(1, 3, scale * side, scale * side, generator=random)
+        points = torch.full((1, 5, 2), scale * side / 2)
+        self.network.eval()
+        try:
+            with torch.no_grad():
+                shown, wanted, *_ = patches.cut(small, large, points)
+                return bool(self.network(shown).shape == wanted.shape)
+        except (InputError, RuntimeError, ValueError):  # such as of another number of channels
+            return False
+        finally:
+            self.network.train()
 
     def loss(self, batch: tuple[torch.Tensor, ...]) -> torch.Tensor:
         """Return the pixel loss of ``(B, C, h, w)`` inputs and their targets, and what is added."""
@@ -175,15 +210,16 @@ class Restoration(Learner):
         """Log PSNR and the gain over bicubic, both on luminance, means over images.
 
         Raises:
-            NonFiniteError: A restored image holds a NaN.
+            DivergenceError: A restored image holds a NaN.
         """
         small, true = batch
         try:
             with torch.autocast(self.device.type, enabled=False):
                 restored = self._upscaler(small)
-        except NonFiniteError as error:
-            raise NonFiniteError(
-                f"a restored image is NaN at epoch {self.current_epoch}: {error}"
+        except InputError as error:
+            raise DivergenceError(
+                f"a restored image is NaN at epoch {self.current_epoch}, so the weights diverged;"
+                " lower the learning rate"
             ) from error
         figures = {"psnr_y_db": self._psnr_y_db(restored, true)}
         for name, image in self.rivals(small).items():

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from lrsr.errors import InputError
+from lrsr.files import read_bytes
 from lrsr.sr.weights import read_checkpoint
 from lrsr.training.precision import choose_precision
 
@@ -95,12 +96,13 @@ def forget(folder: Path) -> None:
 
 
 def _begun(path: Path) -> dict[str, Any] | None:
-    """Return what a run that has no checkpoint yet depends on; None if there is no such run."""
+    """Return what a run that has no checkpoint depends on; None if there is none, or no epoch."""
     try:
-        begun: dict[str, Any] | None = json.loads(path.read_text()).get("settings")
+        record = json.loads(read_bytes(path))
+        begun: dict[str, Any] | None = record.get("settings")
+        return None if record.get("history") == [] else begun
     except (OSError, ValueError, AttributeError):
         return None
-    return begun
 
 
 def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

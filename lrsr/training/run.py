@@ -81,11 +81,14 @@ def train(
     else:
         forget(folder)
     last = folder / "last.ckpt" if (folder / "last.ckpt").is_file() else None
+    runner = _build_trainer(folder, trainer, [*callbacks, keeper], loggers)
+    endless = module.follows_length and runner.max_epochs == runner.max_steps == -1
+    wish = "a number above 0, as the schedule is as long as the run"
+    require(not endless, "trainer.max_epochs", -1, wish)
     if last is None:
         keeper.tell([])
     else:
         logger.info("going on from %s", last)
-    runner = _build_trainer(folder, trainer, [*callbacks, keeper], loggers)
     _fit(runner, module, data, last)
     told = _metrics(module, runner) | {"seed": seed, "settings": dict(depends_on)}
     told |= module.ship(folder, folder / "best.ckpt")
@@ -124,7 +127,7 @@ def _build_trainer(
             enable_model_summary=False,
             num_sanity_val_steps=0,
         )
-    except (MisconfigurationException, TypeError, ValueError) as error:
+    except (MisconfigurationException, ImportError, TypeError, ValueError) as error:
         raise InputError(f"trainer: {' '.join(str(error).split())}") from error
 
 

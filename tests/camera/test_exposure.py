@@ -3,7 +3,8 @@
 import pytest
 import torch
 
-from lrsr.camera.exposure import KEY, expose
+from lrsr.camera.camera import Camera
+from lrsr.camera.exposure import KEY, check_is_light, expose
 from lrsr.errors import ImageContractError, NonFiniteError
 from lrsr.images import linear_to_srgb
 
@@ -63,3 +64,22 @@ def test_broken_light_is_refused() -> None:
         expose(torch.zeros(3, 2, 2), METERED)
     with pytest.raises(NonFiniteError, match="linear: nan"):
         expose(film(float("nan")), METERED)
+
+
+def test_a_little_below_black_is_no_light() -> None:
+    linear = torch.full((1, 3, 8, 8), 0.5)
+    linear[:, 0, 2:4] = -0.2  # a colour that sRGB has not, or a filter's undershoot
+    dark = Camera()(linear, torch.ones(1))[:, 0, 2:4]
+    assert float(dark.max()) == 0.0
+
+
+@pytest.mark.parametrize("low", [-1.0, -0.3, -1e-6], ids=["normalised", "much", "dark"])
+def test_what_is_no_light_is_refused(low: float) -> None:
+    linear = torch.zeros(2, 3, 2, 2)
+    linear[1, 0, 0] = torch.tensor([low, abs(low)])
+    with pytest.raises(ImageContractError, match="in image 1, wanted light, which is 0 or more"):
+        Camera()(linear, torch.ones(2))
+
+
+def test_darkness_is_light() -> None:
+    assert float(check_is_light(torch.zeros(1, 3, 2, 2)).sum()) == 0.0

@@ -11,7 +11,7 @@ from fakes.configurations import compose_keys
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from omegaconf import DictConfig
 
-from lrsr.cli import _COMMANDS, _mended, main
+from lrsr.cli import _COMMANDS, _mended, _with_operands, main
 from lrsr.errors import InputError
 from lrsr.overrides import Overrides
 
@@ -162,3 +162,16 @@ def test_what_submitits_jobs_print_stays_where_all_machines_see_it(
     mended = _mended(SimpleNamespace(overrides=words, **line), "eval", tmp_path)
     given = [word.partition("=")[2].strip('"') for word in mended if "submitit_folder" in word]
     assert given == [folder.format(tmp_path) for folder in folders]
+
+
+def test_a_file_with_an_equals_sign_is_one_where_a_slash_tells_it_from_a_setting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "h").mkdir()
+    (tmp_path / "h" / "a=b.png").touch()
+    settings = ["sr=srcnn2", "rendering/skin=tone"]
+    assert _with_operands(["h/a=b.png", *settings], "upscale") == [
+        *settings,
+        'images=["h/a=b.png"]',
+    ]

@@ -60,7 +60,7 @@ def test_a_preset_is_taken_from_its_file(
 
 def test_a_preset_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["render", "out=x", "camera=nowhere.yaml"]) == 2
-    assert "nowhere.yaml: no such file" in capsys.readouterr().err
+    assert "nowhere.yaml is missing" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

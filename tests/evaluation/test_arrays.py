@@ -16,7 +16,9 @@ from fakes.measures import d_prime, fnmr_at_fmr, trace_roc
 
 from lrsr.errors import ImageContractError, ScoreError
 from lrsr.evaluation.arrays import check_scores, plain_array, plain_number
+from lrsr.evaluation.calibrators import elub, fit_kde, fit_logistic, fit_pav
 from lrsr.evaluation.delong import compare_aucs, estimate_auc
+from lrsr.evaluation.likelihood import cllr, cllr_min, cross_entropy
 from lrsr.evaluation.multiplicity import holm_adjusted
 from lrsr.evaluation.quality import psnr_y
 from lrsr.evaluation.roc import wilson_interval
@@ -170,6 +172,33 @@ def test_what_is_no_number_is_refused_in_one_line(value: Any) -> None:
             measure()
     with pytest.raises(ImageContractError, match=r"shave is .*: wanted a number"):
         psnr_y(np.zeros((3, 4, 4)), np.ones((3, 4, 4)), value)
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [
+        lambda x: cllr(x, [0.0]),
+        lambda x: cllr_min(x, [0.0]),
+        lambda x: cross_entropy([1.0], [0.0], x),
+        lambda x: elub(x, [0.0]),
+        lambda x: fit_pav([1.0, 2.0], [0.0, 1.0])(x),
+        lambda x: fit_logistic([1.0, 2.0], [0.0, 1.0])(x),
+        lambda x: fit_kde([1.0, 2.0], [0.0, 1.0])(x),
+    ],
+    ids=["cllr", "cllr_min", "cross_entropy", "elub", "pav", "logistic", "kde"],
+)
+def test_ratios_of_any_origin_are_taken_and_what_makes_none_is_refused(measure: Any) -> None:
+    values = torch.tensor([0.5, 2.0])
+    for same in (values.bfloat16(), values.clone().requires_grad_(), values.to_sparse()):
+        np.testing.assert_array_equal(measure(same), measure([0.5, 2.0]))
+    for wrong in ((x for x in (1.0,)), {1.0}, b"abc", {"a": 1}, np.array([1j])):
+        with pytest.raises(ScoreError, match=r"make no array|have dtype"):
+            measure(wrong)
+
+
+def test_odds_that_are_none_are_refused() -> None:
+    with pytest.raises(ScoreError, match="prior odds: a NaN"):
+        cross_entropy([1.0], [0.0], [0.0, nan])
 
 
 def test_the_error_is_the_callers() -> None:

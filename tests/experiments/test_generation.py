@@ -193,9 +193,9 @@ def test_scores_of_others_and_kept_samples(folder: Path) -> None:
     [
         ("file,age\n00150.png,3\n", "file 00150.png: wanted 00000.png to 00149.png"),
         ("file,age\n00000.png,old\n", "age='old' of 00000.png is no number"),
-        ("name,age\n00000.png,3\n", "a CSV file with a column file"),
+        ("name,age\n00000.png,3\n", "no column file among name, age"),
         ("file,years\n00000.png,3\n", "attributes=age: wanted one of yaw_deg"),
-        (None, "cannot be read"),
+        (None, "cannot read"),
     ],
 )
 def test_scores_that_cannot_be_used_are_refused(folder: Path, text: str | None, says: str) -> None:

@@ -39,7 +39,10 @@ def test_an_age_that_is_no_number_is_told_with_its_line(tmp_path: Path) -> None:
 def test_a_table_of_something_else_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "people.csv"
     path.write_text("name,sex\na,male\n")
-    with pytest.raises(InputError, match="wanted the column identity_id and some of sex"):
+    with pytest.raises(InputError, match="no column identity_id among name, sex; add it"):
+        read_labels(path)
+    path.write_text("identity_id,eyes\na,blue\n")
+    with pytest.raises(InputError, match="line 1: wanted some of the columns sex, age_years"):
         read_labels(path)
     with pytest.raises(InputError, match="cannot read"):
         read_labels(tmp_path)

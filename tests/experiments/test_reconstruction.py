@@ -110,7 +110,7 @@ def test_who_is_no_adult_is_refused_before_the_face_is_looked_at(
 
 @pytest.mark.parametrize(
     ("text", "says"),
-    [("file\na.png\n", "a CSV file with a column age_years"), (None, "cannot be read")],
+    [("file\na.png\n", "no column age_years among file; add it"), (None, "cannot read")],
 )
 def test_ages_that_cannot_be_read_are_refused(
     folder: Path, tmp_path: Path, text: str | None, says: str

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import torch
 from fakes.configurations import composed
 from fakes.sets import write_ijb, write_survface, write_tinyface
 
@@ -13,7 +14,9 @@ from lrsr.experiments.ijb_study import IjbStudy
 from lrsr.experiments.survface_study import SurvFaceStudy
 from lrsr.experiments.tinyface_study import TinyFaceStudy
 from lrsr.pictures.cache import RenderCache
+from lrsr.sr.upscaler import OneStep
 
+LOOKED_AT = (("1", "probe"), ("1", "gallery"), ("2", "gallery"))
 STUDIES = {"tinyface": TinyFaceStudy, "survface": SurvFaceStudy, "ijb": IjbStudy}
 
 
@@ -60,7 +63,17 @@ def test_survface_has_listed_pairs_and_an_open_set(tmp_path: Path, tone_model: P
         assert told in page
 
 
-def test_ijb_compares_templates_with_each_gallery(tmp_path: Path, tone_model: Path) -> None:
+def test_ijb_compares_templates_with_each_gallery(
+    tmp_path: Path, tone_model: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    enlarged: list[int] = []
+    enlarge = OneStep.__call__
+
+    def count(self: OneStep, srgb: torch.Tensor) -> torch.Tensor:
+        enlarged.append(len(srgb))
+        return enlarge(self, srgb)
+
+    monkeypatch.setattr(OneStep, "__call__", count)
     root = write_ijb(tmp_path / "set")
     lists = "ijb.galleries=[protocols/gallery_S1.csv,protocols/gallery_S2.csv]"
     words = (lists, "ijb.probes=protocols/probe.csv", f"recognition.model={tone_model}")
@@ -70,7 +83,9 @@ def test_ijb_compares_templates_with_each_gallery(tmp_path: Path, tone_model: Pa
         assert (row["n_genuine"], row["n_impostor"], row["auc"]) == (2, 6, 1)
         assert (found["n_mated"], found["n_unmated"], found["n_gallery"]) == (2, 2, 2)
         assert (found["hits"][0]["rate"], found["open_set"][-1]["tpir"]) == (1, 1)
-    assert results["config"]["parts"]["1"]["probe_pictures"] == 12
+    pictures = [results["config"]["parts"][k][f"{kind}_pictures"] for k, kind in LOOKED_AT]
+    assert pictures[0] == 12
+    assert sum(enlarged) == sum(pictures)  # the probes once, not once a gallery
     for told in ("the mean of the embeddings of its media", "lists of pairs", "gallery_S2"):
         assert told in page
 

@@ -186,7 +186,10 @@ def test_too_large_a_result_is_refused_before_any_work(
 
 @pytest.mark.parametrize(
     ("fault", "says"),
-    [(MemoryError(), "does not fit into memory"), (float("nan"), "choose another")],
+    [
+        (MemoryError(), "does not fit into memory"),
+        (float("nan"), ": give other weights"),
+    ],
 )
 def test_what_a_network_cannot_do_is_told_of_its_picture(
     tmp_path: Path, fault: MemoryError | float, says: str, monkeypatch: pytest.MonkeyPatch
@@ -240,3 +243,20 @@ def test_a_folder_without_pictures_is_named(tmp_path: Path) -> None:
     (tmp_path / "h").mkdir()
     with pytest.raises(InputError, match=r"images=.*h holds no pictures: put files in it \(png"):
         run(tmp_path / "out", tmp_path / "h")
+
+
+def test_a_full_disk_stops_the_work_at_the_first_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in "abc":
+        picture(tmp_path / "h" / f"{name}.png")
+    upscaler = Counted(2)
+
+    def full(path: Path, *_: object, **__: object) -> None:
+        raise InputError(f"cannot write {path}: No space left on device; free space")
+
+    monkeypatch.setattr("lrsr.experiments.made.write_bytes", full)
+    (tmp_path / "out").mkdir()
+    with pytest.raises(InputError, match=r"cannot write .*out/a\.png: No space left"):
+        Upscaling((tmp_path / "h",), upscaler).run(tmp_path / "out", progress=False)
+    assert upscaler.seen == 1

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from lrsr.errors import InputError
@@ -205,3 +206,22 @@ def test_a_roster_of_others_is_refused_at_once(
     assert len(IdentityRange(**given).people()) == 5
     with pytest.raises(InputError, match=message):
         IdentityRange(**{**given, **changes})
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"count": "8"}, "identities.count=8: wanted a whole number"),
+        ({"count": None}, "identities.count=null: wanted a whole number"),
+        ({"start": 1.5}, "identities.start=1.5: wanted a whole number"),
+        ({"ancestry": 8}, "identities.ancestry=8: wanted a list"),
+        ({"ancestry": "asian"}, "identities.ancestry=asian: wanted a list"),
+    ],
+)
+def test_people_of_another_kind_of_value_are_refused(given: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        IdentityRange(**given)
+
+
+def test_numpys_numbers_are_numbers_of_people() -> None:
+    assert IdentityRange(count=np.int64(3), start=np.int8(1)) == IdentityRange(count=3, start=1)

@@ -185,7 +185,7 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
 
 def test_an_entry_that_cannot_be_read_is_the_users_to_mend(cache: RenderCache) -> None:
     cache.path(KEY).mkdir(parents=True)
-    with pytest.raises(InputError, match=r"cannot read .*\.safetensors: Is a directory"):
+    with pytest.raises(InputError, match=r"cannot read .*\.safetensors: a folder, not a file"):
         cache.get(KEY)
 
 

@@ -5,13 +5,14 @@ import os
 import struct
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 from PIL import Image
 
-from lrsr.errors import InputError
+from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.pictures.image_files import SUFFIXES, read_image, write_png
 
 
@@ -137,3 +138,22 @@ def test_more_pixels_than_can_be_read_are_one_line(tmp_path: Path) -> None:
     (tmp_path / "huge.png").write_bytes(file)
     with pytest.raises(InputError, match=r"cannot read .*huge\.png: .*; make it smaller"):
         read_image(tmp_path / "huge.png")
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        torch.zeros(3, 4, 4, dtype=torch.uint8),  # would be white, or black
+        torch.zeros(4, 4, 3),
+        torch.zeros(1, 3, 4, 4),
+        np.zeros((3, 4, 4), np.float32),
+        torch.zeros(3, 4, 4, dtype=torch.bfloat16),
+    ],
+    ids=["whole numbers", "channels last", "a batch", "NumPy", "bfloat16"],
+)
+def test_what_is_no_picture_is_not_written(tmp_path: Path, image: Any) -> None:
+    with pytest.raises(ImageContractError, match="image: got"):
+        write_png(tmp_path / "a.png", image)
+    with pytest.raises(NonFiniteError):
+        write_png(tmp_path / "a.png", torch.full((3, 2, 2), float("nan")))
+    assert list(tmp_path.iterdir()) == []

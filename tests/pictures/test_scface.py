@@ -133,6 +133,9 @@ def test_mugshots_that_are_not_there_are_refused(tmp_path: Path) -> None:
         pytest.param(
             "all.txt", "001_cam1_1 a 2 3 4 5 6 7 8", r"all\.txt, line 1: .*'a'", id="word"
         ),
+        pytest.param(
+            "all.txt", "001_cam1_1 " + "1,5 " * 8, r"all\.txt, line 1: decimal commas", id="commas"
+        ),
         pytest.param("x.pos", "reye 1 2\nleye 3 2\nnose 2 4", r"no mouth; wanted", id="point"),
         pytest.param("x.pos", "reye 1 b", r"line 1: .*'b'", id="letter"),
     ],

@@ -201,3 +201,9 @@ def test_cuda_is_used_where_onnxruntime_has_it(
     for device in ("cpu", "cuda"):
         Embedder(tiny_model, device=device)
     assert [who[0] for who in asked] == ["CPUExecutionProvider", "CUDAExecutionProvider"]
+
+
+def test_a_network_that_returns_no_numbers_is_told_by_its_file(write_model: WriteModel) -> None:
+    model = write_model(mean=0.0, scale=1e-38)  # 255 / 1e-38 is no float32
+    with pytest.raises(InputError, match=r"tiny\.onnx: returned a NaN or an infinity for input 0"):
+        Embedder(model)(colours((1.0, 0.5, 0.2)))

@@ -153,9 +153,9 @@ def test_every_burst_of_a_batch_is_fused_by_itself(frames: torch.Tensor) -> None
 @pytest.mark.parametrize("kind", [Mean, ShiftAndAdd])
 def test_what_is_no_burst_is_refused(kind: type[Mean | ShiftAndAdd]) -> None:
     fuse = kind(2, STILL)
-    with pytest.raises(ImageContractError, match=r"got shape \(2, 3, 8, 8\), wanted \(B, N, 3"):
+    with pytest.raises(ImageContractError, match=r"got Tensor \(2, 3, 8, 8\), wanted a torch"):
         fuse(torch.zeros(2, 3, 8, 8))
-    with pytest.raises(ImageContractError, match=r"got shape \(1, 0, 3, 8, 8\), wanted"):
+    with pytest.raises(ImageContractError, match=r"got Tensor \(1, 0, 3, 8, 8\), wanted"):
         fuse(torch.zeros(1, 0, 3, 8, 8))
     with pytest.raises(ImageContractError, match="bursts: got values 2 to 2"):
         fuse(torch.full((1, 2, 3, 8, 8), 2.0))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from lrsr.errors import NonFiniteError
+from lrsr.errors import InputError
 from lrsr.sr import Bicubic, Upscaler, load_upscaler
 from lrsr.sr.large import enlarge, spread_colours
 from lrsr.sr.networks import NETWORKS
@@ -133,7 +133,7 @@ def test_a_tile_at_a_time_is_told_and_seen(edsr_file: Callable[..., Path]) -> No
 def test_a_network_that_fails_is_an_error(edsr_file: Callable[..., Path]) -> None:
     upscaler = load_upscaler(edsr_file(2))
     upscaler._network.tail.bias.fill_(float("nan"))  # type: ignore[attr-defined]
-    with pytest.raises(NonFiniteError):
+    with pytest.raises(InputError, match=r"\.safetensors\) makes no numbers"):
         enlarge(upscaler, noise(8, 8))
 
 

@@ -8,7 +8,7 @@ import torch
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from lrsr.errors import ImageContractError, InputError, NonFiniteError
+from lrsr.errors import ImageContractError, InputError
 from lrsr.images import luminance, resize_bicubic, rgb_to_ycbcr, ycbcr_to_rgb
 from lrsr.onnx import contract_path, sha256_of
 from lrsr.paths import asset, config_folder
@@ -291,7 +291,7 @@ def test_home_is_understood(
 
 
 def test_missing_weights_are_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no weights at .*nowhere.safetensors"):
+    with pytest.raises(InputError, match=r"nowhere.safetensors is missing: give a .safetensors"):
         load_upscaler(tmp_path / "nowhere.safetensors")
     with pytest.raises(InputError, match=r"nowhere.onnx is missing"):
         load_upscaler(tmp_path / "nowhere.onnx")
@@ -336,8 +336,16 @@ def test_a_network_that_returns_nan_is_caught(faces: torch.Tensor) -> None:
     network = EDSR(blocks=1, features=4)
     with torch.no_grad():
         network.tail.bias.fill_(float("nan"))
-    with pytest.raises(NonFiniteError, match="edsr 2: nan in image 0"):
+    with pytest.raises(InputError, match=r"edsr 2 makes no numbers .*nan in image 0.*give other"):
         Rgb(network, EDSR_CARD)(faces)
+
+
+def test_a_network_of_luminance_that_returns_nan_is_caught(faces: torch.Tensor) -> None:
+    network = SRCNN(padding="replicate")
+    with torch.no_grad():
+        network.map.bias.fill_(float("nan"))
+    with pytest.raises(InputError, match=r"srcnn 2 makes no numbers .*give other weights"):
+        Luminance(network, SRCNN_CARD)(faces)
 
 
 def test_a_network_of_another_scale_is_caught(faces: torch.Tensor) -> None:

@@ -61,6 +61,16 @@ def test_arguments_of_training_do_not_matter_in_use(tmp_path: Path) -> None:
     assert read.arguments == card.arguments
 
 
+def test_equal_weights_make_equal_bytes(tmp_path: Path) -> None:
+    network, path = SRCNN(), tmp_path / "w.safetensors"
+    written = set()
+    for _ in range(8):
+        write_weights(path, network, CARD)
+        written.add(path.read_bytes())
+    assert len(written) == 1
+    assert read_weights(path)[1] == CARD
+
+
 def test_half_precision_and_channels_last_become_plain_float32(tmp_path: Path) -> None:
     network = SRCNN().to(memory_format=torch.channels_last).half()
     torch.save(checkpoint_of(network, CARD), tmp_path / "w.ckpt")
@@ -96,7 +106,7 @@ def test_half_a_file_is_refused(tmp_path: Path, weights_file: Callable[..., Path
 
 
 def test_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no weights at"):
+    with pytest.raises(InputError, match="is missing: "):
         read_weights(tmp_path / "none.safetensors")
 
 
@@ -129,6 +139,15 @@ def test_a_card_of_another_scale_than_its_network_is_refused(tmp_path: Path) -> 
     write_weights(tmp_path / "w.safetensors", network, replace(EDSR_CARD, scale=4))
     with pytest.raises(InputError, match=r"scale=4, but it makes 12x14 pixels of 6x7"):
         read_weights(tmp_path / "w.safetensors")
+
+
+@pytest.mark.parametrize("dtype", [torch.complex64, torch.bool])
+def test_weights_that_are_no_real_numbers_are_refused(tmp_path: Path, dtype: torch.dtype) -> None:
+    checkpoint = checkpoint_of(SRCNN(), CARD)
+    state = {name: weight.to(dtype) for name, weight in checkpoint["state_dict"].items()}
+    torch.save(checkpoint | {"state_dict": state | {7: torch.zeros(1)}}, tmp_path / "w.ckpt")
+    with pytest.raises(InputError, match=rf"holds {dtype}, wanted real numbers"):
+        read_weights(tmp_path / "w.ckpt")
 
 
 def test_tensors_of_another_shape_are_refused(tmp_path: Path) -> None:

@@ -56,6 +56,22 @@ def test_every_network_is_tested() -> None:
     assert {path.stem for path in Path(config_folder(), "train").glob("*.yaml")} == set(NAMES)
 
 
+@pytest.mark.parametrize(
+    ("name", "data", "wish"),
+    [
+        ("srcnn2x", "faces", "rendered or images or mixed"),
+        ("edsr2x", "bursts", "rendered or images or mixed"),
+        ("arcface", "encounters", "faces"),
+        ("mixed_resolution", "rendered", "encounters"),
+    ],
+)
+def test_lessons_of_something_else_are_refused(
+    name: str, data: str, wish: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=f"data={data}: wanted {wish}, from which this network"):
+        lessons(name, tmp_path, f"data={data}")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_every_network_and_its_lessons_are_built(name: str, tmp_path: Path) -> None:
     config = composed(name, "seed=3")

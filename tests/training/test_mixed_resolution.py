@@ -115,6 +115,7 @@ def test_too_few_people_are_refused(tmp_path: Path) -> None:
     few = [Person("train", index) for index in range(5)]
     with pytest.raises(InputError, match="5 people suffice for none"):
         learn(tmp_path / "run", encounters(RenderCache(tmp_path / "cache"), people=few))
+    assert not (tmp_path / "cache").exists()  # nothing was rendered for that
 
 
 @pytest.mark.parametrize(
@@ -141,3 +142,5 @@ def test_there_must_be_sizes_to_try(given: dict[str, Any]) -> None:
         MixedResolution(**{"components": [5], "dimensions": [5], **given})
     with pytest.raises(InputError, match=r"module\.parts=1: wanted at least 2"):
         MixedResolution([5], [5], parts=1)
+    with pytest.raises(InputError, match=r"module\.dimensions=\[10\]: wanted one of 5 at most"):
+        MixedResolution([5], [10])

@@ -7,7 +7,8 @@ import torch
 from fakes.lessons import SyntheticPairs, make_edsr, make_srcnn
 from lightning.pytorch import Trainer
 
-from lrsr.errors import InputError, NonFiniteError
+from lrsr.errors import DivergenceError, InputError
+from lrsr.presets import preset, presets
 from lrsr.training.losses.term import Term
 from lrsr.training.restoration import Restoration
 
@@ -103,7 +104,7 @@ def test_nan_in_validation_stops_the_run() -> None:
     with torch.no_grad():
         module.network.map.bias.fill_(float("nan"))
     module.on_validation_start()
-    with pytest.raises(NonFiniteError, match="a restored image is NaN at epoch 0"):
+    with pytest.raises(DivergenceError, match=r"restored image is NaN at epoch 0.*lower the"):
         module.validation_step((torch.rand(1, 3, 16, 16), torch.rand(1, 3, 32, 32)), 0)
 
 
@@ -169,3 +170,20 @@ def test_the_network_sees_eight_views_and_is_judged_on_the_one(
     views = {(tuple(one.shape), *one.flatten().tolist()) for one in seen}
     assert len(views) == 8
     torch.testing.assert_close(seen[0], seen[1])  # of the same step
+
+
+@pytest.mark.parametrize(
+    ("network", "takes"), [("srcnn", {"luminance"}), ("edsr", {"rgb", "faces"})]
+)
+def test_patches_of_another_network_are_refused(network: str, takes: set[str]) -> None:
+    module = {"srcnn": make_srcnn, "edsr": make_edsr}[network]()
+    before = {name: weight.clone() for name, weight in module.state_dict().items()}
+    for name in presets("patches"):
+        patches = preset("patches", name)
+        if name in takes:
+            module.try_patches(patches)
+            continue
+        with pytest.raises(InputError, match=f"{network} learns from others; give patches="):
+            module.try_patches(patches)
+    assert module.network.training
+    assert all(bool((before[k] == weight).all()) for k, weight in module.state_dict().items())

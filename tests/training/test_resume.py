@@ -92,7 +92,11 @@ def test_a_run_without_a_checkpoint_is_known_by_its_metrics(tmp_path: Path) -> N
         refuse_other_run(tmp_path, {"a": 2})
 
 
-@pytest.mark.parametrize("content", ["", "[]", '{"x": 1}'], ids=["empty", "list", "foreign"])
+@pytest.mark.parametrize(
+    "content",
+    ["", "[]", '{"x": 1}', '{"settings": {"a": 1}, "history": []}'],
+    ids=["empty", "list", "foreign", "no epoch"],
+)
 def test_what_is_no_record_of_ours_does_not_count(tmp_path: Path, content: str) -> None:
     (tmp_path / "metrics.json").write_text(content)
     refuse_other_run(tmp_path, {"a": 2})

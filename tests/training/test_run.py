@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import onnxruntime
@@ -31,7 +31,7 @@ from lightning.pytorch import LightningDataModule
 from lightning.pytorch.loggers import CSVLogger
 from skimage.metrics import peak_signal_noise_ratio
 
-from lrsr.errors import InputError, NonFiniteError
+from lrsr.errors import DivergenceError, InputError, NonFiniteError
 from lrsr.images import luminance
 from lrsr.recognition import Engine
 from lrsr.sr import load_upscaler
@@ -61,6 +61,10 @@ def run(
     return module, train(
         module, data, folder=folder, trainer=partial(quiet, max_epochs=epochs), **given
     )
+
+
+def lack_torch_xla(**_: object) -> NoReturn:
+    raise ModuleNotFoundError("No module named 'torch_xla'")
 
 
 @pytest.fixture
@@ -402,10 +406,26 @@ def test_nan_in_a_patch_stops_the_run_and_says_where(pairs: SyntheticPairs, tmp_
         run(pairs, tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("trainer", "says"),
+    [
+        (partial(quiet, max_epochs=0), "trainer.max_epochs=0: wanted more than 0"),
+        (partial(quiet, max_epochs=-1), "trainer.max_epochs=-1: wanted a number above 0, as the"),
+        (partial(lack_torch_xla), "trainer: No module named 'torch_xla'"),
+    ],
+)
+def test_a_refused_trainer_leaves_nothing_that_stands_in_the_way(
+    pairs: SyntheticPairs, tmp_path: Path, trainer: Any, says: str
+) -> None:
+    with pytest.raises(InputError, match=says):
+        train(make_srcnn(), pairs, folder=tmp_path, trainer=trainer, depends_on={"x": 1})
+    assert not (tmp_path / "metrics.json").exists()
+
+
 def test_diverging_weights_stop_the_run_and_name_the_learning_rate(
     pairs: SyntheticPairs, tmp_path: Path
 ) -> None:
-    with pytest.raises(NonFiniteError, match=r"at epoch \d+.*lower the learning rate"):
+    with pytest.raises(DivergenceError, match=r"at epoch \d+.*lower the learning rate"):
         run(pairs, tmp_path, epochs=3, module=make_srcnn(lr=1e30))
 
 

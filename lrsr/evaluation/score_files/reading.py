@@ -19,6 +19,7 @@ import numpy as np
 from lrsr.errors import InputError
 from lrsr.evaluation.pairs import PairScores
 from lrsr.evaluation.score_files.system import Listing, Name, Pictures, System
+from lrsr.files import read_bytes
 
 NATIVE = ("probe", "gallery", "mated", "method", "landmarks", "recogniser", "score")
 """Columns of our own files; the last is needed, and ``mated`` or whom both pictures show."""
@@ -92,9 +93,9 @@ def read_scores(
         raise InputError(f"format={format}: wanted one of {', '.join(FORMATS)}")
     reader = _Reader(qualities, -1.0 if distance else 1.0)
     if format == "genuine_impostor":
-        _read_genuine_impostor(reader, files)
+        _read_genuine_impostor(reader, [*map(Path, files)])
         return reader.anonymous
-    for path in files:
+    for path in map(Path, files):  # a notebook may give words
         lines = _lines_of(path)
         kind = format or _format_of(path, lines[0])
         if qualities and kind != "native":
@@ -115,7 +116,7 @@ def _lines_of(path: Path) -> list[str]:
         InputError: It cannot be read, is no text, or is empty.
     """
     try:
-        content = path.read_bytes()
+        content = read_bytes(path)
         content = gzip.decompress(content) if path.suffix == ".gz" else content
         marked = content.startswith((b"\xff\xfe", b"\xfe\xff"))
         lines = content.decode("utf-16" if marked else "utf-8-sig").splitlines()
@@ -408,7 +409,8 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text) if text.strip() else math.nan
     except ValueError:
-        raise ValueError(f"{name} {text[:40]!r} is no number such as 0.25") from None
+        hint = ": save the table with decimal points" if "," in text else ""
+        raise ValueError(f"{name} {text[:40]!r} is no number such as 0.25{hint}") from None
 
 
 def _truth(text: str) -> int:

@@ -9,7 +9,7 @@ from lrsr.experiments.report.curves import draw_ece, draw_tippett
 from lrsr.experiments.report.lines import condition_of, several_sources
 from lrsr.experiments.report.ratios import ratio_words
 from lrsr.experiments.weighing import CASE, REAL, Weighed
-from lrsr.pages import encode_face, write_page
+from lrsr.pages import encode_face, title_of, write_page
 
 if TYPE_CHECKING:
     import torch
@@ -66,7 +66,7 @@ def write_case(
     return write_page(
         folder,
         "case",
-        title=config["name"].replace("_", " ").capitalize(),
+        title=title_of(config["name"]),
         question=config["question"],
         answer=list(_answer(results)),
         systems=[

@@ -138,8 +138,7 @@ def _part(name: str, value: Any) -> str:
 
 def _extremes(who: Sequence[str], lines: _Records) -> str:
     measured = [line for line in lines if line["measured"]]
-    name = ", ".join(who)
-    told = f"{name[:1].upper()}{name[1:]}: the" if name else "The"
+    told = f"{', '.join(who)}: the" if who else "The"  # a name stays as it is
     if not measured:
         return f"{told} faces found were too few to measure anything."
     areas = [line["auc"] for line in measured]

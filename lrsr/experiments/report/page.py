@@ -22,7 +22,7 @@ from lrsr.experiments.report.overview import Overview
 from lrsr.experiments.report.panel import Panel
 from lrsr.experiments.report.published import beside_published
 from lrsr.experiments.seen import WRONG_PLACE_IPDS
-from lrsr.pages import encode_face, write_page
+from lrsr.pages import encode_face, title_of, write_page
 
 _LIKENESS = (
     ("psnr_y_db", "PSNR&#8209;Y <small>dB</small>", "{:.2f}"),
@@ -108,7 +108,7 @@ def write_report(
         versions=results["versions"],
         seed=config["seed"],
         **{
-            "title": config["name"].replace("_", " ").capitalize(),
+            "title": title_of(config["name"]),
             "answer": list(extremes(lines) or best_methods(lines)),
             **(more or {}),
         },

@@ -22,7 +22,7 @@ from safetensors.numpy import save
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
-from lrsr.files import write_bytes
+from lrsr.files import check_file, write_bytes
 
 _Floats = NDArray[np.float64]
 
@@ -191,7 +191,7 @@ def read_boundaries(path: Path, size: int) -> Boundaries:
         InputError: It is missing, none of ours, or of latents of another size.
     """
     try:
-        with safe_open(path, framework="np") as file:
+        with safe_open(check_file(path), framework="np") as file:
             told = json.loads((file.metadata() or {})[_NOTE])
             arrays = {name: file.get_tensor(name) for name in _ARRAYS}
         require(told["format"] == _FORMAT, "format", told["format"], str(_FORMAT))

@@ -39,7 +39,7 @@ class Detector:
         score_threshold: float | None = None,
         device: str = "cpu",
     ) -> None:
-        self.model = model or asset(_DEFAULT_MODEL)
+        self.model = Path(model or asset(_DEFAULT_MODEL))  # a notebook may give a word
         self.contract = read_detector_contract(self.model)
         self.enlargement = enlargement or Enlargement()
         threshold = self.contract.score_threshold if score_threshold is None else score_threshold

@@ -11,6 +11,7 @@ from torch.nn import functional as F
 
 from lrsr.configuration import as_whole, require
 from lrsr.errors import InputError
+from lrsr.files import check_file
 from lrsr.paths import user_path
 from lrsr.training.losses.term import Term
 
@@ -94,6 +95,7 @@ def _read(path: Path) -> Mapping[str, Any]:
         InputError: The file is missing, broken, or holds more than numbers and strings.
     """
     try:
+        check_file(path)
         if path.suffix == ".safetensors":
             return dict(load_file(path))
         state: Any = torch.load(path, map_location="cpu", weights_only=True)

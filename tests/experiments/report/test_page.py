@@ -451,3 +451,15 @@ def test_what_changes_no_picture_is_not_shown_twice() -> None:
         Panel("", pictures={"Probe": torch.zeros(1, 3, 4, 4)}, place=(k, 8.0)) for k in (1, 2)
     ]
     assert Overview(config).faces(panels) == []
+
+
+def test_a_name_stays_as_it_is_at_the_beginning_of_a_sentence() -> None:
+    results = make_crossed()
+    config = results["config"] | {"name": "mine_of_VIS"}
+    rows = [row | {"recogniser": name} for name in ("w600k_mbf", "dlib") for row in results["rows"]]
+    told = render_html(results | {"rows": rows, "comparisons": [], "config": config})
+    text = Page(told).text
+    assert "w600k_mbf: the AUC is highest with" in text
+    assert "w600k_mbf. Pose left, lighting side" in text
+    assert "W600k" not in text
+    assert "<h1>Mine of VIS</h1>" in told

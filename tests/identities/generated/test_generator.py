@@ -71,7 +71,7 @@ def test_truncation_goes_to_the_mean_w(tmp_path: Path) -> None:
     ("how", "says"),
     [
         ({"noisy": True}, 'noise_mode="const"'),
-        ({"base": BASE * np.nan}, "makes pictures of NaN"),
+        ({"base": BASE * np.nan}, "returned a NaN or an infinity for input 0"),
         ({"values": "0..2"}, "output.range = '0..2'"),
     ],
     ids=["noise", "NaN", "range"],
