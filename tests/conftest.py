@@ -33,24 +33,37 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
-_TOGETHER = {f"tests/{folder}" for folder in ("rendering", "training", "identities")}
-"""Folders whose files share what takes seconds to make: one worker has all of them."""
+_TOGETHER = (
+    ("tests/rendering/", "tests/cli/test_whole.py", "tests/notebooks/"),  # all that starts Mitsuba
+    ("tests/identities/",),
+    ("tests/training/",),
+)
+"""What shares something that takes seconds to make, and one worker has in this order.
+
+Every live scene makes Mitsuba's kernels others; in one process, and in one order, they are those
+that an earlier run has compiled and kept.
+"""
 
 
-def _folder(nodeid: str) -> str:
-    return "/".join(nodeid.split("/")[:2])
+def _place(nodeid: str) -> tuple[int, int]:
+    """Return the number of a test's group, and its place there; those without one come last."""
+    for number, group in enumerate(_TOGETHER):
+        for place, start in enumerate(group):
+            if nodeid.startswith(start):
+                return number, place
+    return len(_TOGETHER), 0
 
 
-class _LoadFolders(LoadFileScheduling):
+class _LoadGroups(LoadFileScheduling):
     def _split_scope(self, nodeid: str) -> str:
-        folder = _folder(nodeid)
-        return folder if folder in _TOGETHER else super()._split_scope(nodeid)
+        number, _ = _place(nodeid)
+        return f"group {number}" if number < len(_TOGETHER) else super()._split_scope(nodeid)
 
 
-def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> _LoadFolders:
-    return _LoadFolders(config, log)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> _LoadGroups:
+    return _LoadGroups(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with what takes long, so that all workers end at the same time."""
-    items.sort(key=lambda item: _folder(item.nodeid) not in _TOGETHER)
+    """Begin with what takes longest, so that all workers end at the same time."""
+    items.sort(key=lambda item: _place(item.nodeid))
