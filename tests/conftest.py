@@ -4,6 +4,7 @@ import gc
 import os
 import sys
 from collections.abc import Generator
+from typing import Any
 
 import pytest
 from xdist.scheduler import LoadFileScheduling
@@ -60,8 +61,8 @@ class _LoadGroups(LoadFileScheduling):
         return f"group {number}" if number < len(_TOGETHER) else super()._split_scope(nodeid)
 
 
-def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> _LoadGroups:
-    return _LoadGroups(config, log)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> _LoadGroups | None:
+    return _LoadGroups(config, log) if config.getoption("dist") == "loadfile" else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
