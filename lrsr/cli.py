@@ -16,7 +16,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from difflib import get_close_matches
 from io import TextIOWrapper
 from pathlib import Path
@@ -160,15 +160,16 @@ def _run(name: str, words: list[str]) -> None:
     version.setbase("1.3")
     failures: list[Exception] = []
     with _mode_of_the_line(args), TemporaryDirectory() as scratch:
-        args.overrides = _mended(args, name, Path(scratch))
+        args.overrides, composing = _mended(args, name, Path(scratch))
         try:
-            _run_hydra(
-                args=args,
-                args_parser=parser,
-                task_function=_task(f"run_{name.replace('-', '_')}", failures),
-                config_path=str(config_folder()),
-                config_name=name,
-            )
+            with composing:
+                _run_hydra(
+                    args=args,
+                    args_parser=parser,
+                    task_function=_task(f"run_{name.replace('-', '_')}", failures),
+                    config_path=str(config_folder()),
+                    config_name=name,
+                )
         except ValueError as error:  # Hydra's word for options that exclude each other
             _refuse_option(str(error))
     if args.multirun and failures:
@@ -195,8 +196,29 @@ def _refuse_option(message: str) -> Never:
     raise InputError(f"{message}: settings are written key=value; lrsr COMMAND --help lists them")
 
 
-def _mended(args: Any, name: str, scratch: Path) -> list[str]:
-    """Return the overrides as Hydra reads what was meant.
+@contextmanager
+def _composing(
+    check: "Callable[[DictConfig], None]", explained: AbstractContextManager[None]
+) -> Iterator[None]:
+    """Check the keys in Hydra's own composition, which then need not be made twice."""
+    from hydra._internal.config_loader_impl import ConfigLoaderImpl
+
+    applies = ConfigLoaderImpl._apply_overrides_to_config
+
+    def check_and_apply(words: Any, config: "DictConfig") -> None:  # of groups alone, so far
+        check(config)
+        applies(words, config)
+
+    ConfigLoaderImpl._apply_overrides_to_config = staticmethod(check_and_apply)  # type: ignore[assignment]
+    try:
+        with explained:
+            yield
+    finally:
+        ConfigLoaderImpl._apply_overrides_to_config = staticmethod(applies)  # type: ignore[method-assign]
+
+
+def _mended(args: Any, name: str, scratch: Path) -> tuple[list[str], AbstractContextManager[None]]:
+    """Return the overrides as Hydra reads what was meant, and where it is to compose them.
 
     In ``scratch`` go cameras of the user's, and in a multirun what Hydra writes: multirun.yaml and
     an empty folder for each job, which say less than the runs' own. What submitit's jobs are told
@@ -209,8 +231,15 @@ def _mended(args: Any, name: str, scratch: Path) -> list[str]:
     submitit = any(word.startswith("hydra/launcher=submitit") for word in words)
     if submitit and not any(word.startswith(_LOGS_KEY) for word in words):
         words.append(f"{_LOGS_KEY}={quoted_word(f'{Path.cwd()}/{_LOGS}')}")
-    mended = Overrides(args.config_name or name, folders, args.multirun).mended(words)
-    return [f'hydra.sweep.dir="{scratch}"', f'hydra.searchpath=["file://{scratch}"]', *mended]
+    overrides = Overrides(args.config_name or name, folders, args.multirun)
+    composing: AbstractContextManager[None] = nullcontext()
+    if args.multirun:  # whose options Hydra does not compose before the first job
+        mended = overrides.mended(words)
+    else:
+        mended, check, explained = overrides.unchecked(words)
+        composing = _composing(check, explained)
+    first = [f'hydra.sweep.dir="{scratch}"', f'hydra.searchpath=["file://{scratch}"]']
+    return [*first, *mended], composing
 
 
 def _with_operands(words: Sequence[str], name: str) -> list[str]:

@@ -10,15 +10,19 @@ import inspect
 import logging
 import os
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lrsr.errors import InputError
 from lrsr.paths import user_path
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
 
 _OPEN = {
     *("sr", "fusion", "conditions", "axes", "generic"),
@@ -28,6 +32,7 @@ _OPEN = {
 
 _TRAINED = {"sr", "recognition", "reconstructor"}
 """Settings of other commands that name, in ``lrsr train``, what is trained."""
+_HYDRAS = ("hydra.", "hydra/")
 _EXTRA = "debug"  # the group that no command has from the start
 _PATHS = {
     "out",
@@ -104,6 +109,58 @@ class Overrides:
         Raises:
             InputError: A key or an option does not exist, or a value is missing or unreadable.
         """
+        groups, settings = self._parted(words)
+        mended = groups + [self._setting(word) for word in settings]
+        if any(not word.startswith(_HYDRAS) for word in mended):
+            self._check(settings, self._composed(groups))
+        return mended
+
+    def unchecked(
+        self, words: Sequence[str]
+    ) -> tuple[list[str], "Callable[[DictConfig], None]", AbstractContextManager[None]]:
+        """Return the same without a look at the keys, and what looks at them.
+
+        To be called with what Hydra has composed of the groups, within the context that is
+        returned last and says why it cannot compose, it saves composing twice.
+
+        Raises:
+            InputError: An option does not exist, or a value is missing or unreadable.
+        """
+        groups, settings = self._parted(words)
+        mended = groups + [self._setting(word) for word in settings]
+        return mended, partial(self._check, settings), self._explained(groups)
+
+    @contextmanager
+    def _explained(self, words: list[str]) -> Iterator[None]:
+        """Explain why Hydra cannot compose.
+
+        Raises:
+            HydraException: The files cannot be composed.
+            InputError: The command has no such group, or two choices do not go together.
+        """
+        from hydra.errors import HydraException
+
+        try:
+            yield
+        except HydraException as error:
+            if group := re.search(r"Could not override '([^'.]+)'", str(error)):
+                said = " ".join([self.command, *(w for w in words if w.startswith("train="))])
+                raise InputError(f"lrsr {said} has no {group[1]} to choose") from error
+            for word in words:
+                rest = [one for one in words if one is not word]
+                with suppress(HydraException):
+                    self._compose(rest)
+                    raise InputError(
+                        f"{word}: does not go with {', '.join(rest)}; leave it, or choose another"
+                    ) from error
+            raise
+
+    def _parted(self, words: Sequence[str]) -> tuple[list[str], list[_Word]]:
+        """Return what chooses, as Hydra reads it, and the settings.
+
+        Raises:
+            InputError: An option does not exist, or a value is missing.
+        """
         read = [self._read(word) for word in words]
         networks = [text for text, word in zip(words, read, strict=True) if word.key == "train"]
         if len(networks) > 1:
@@ -112,13 +169,11 @@ class Overrides:
         if len(latest) < len(read):
             repeated = sorted({word.key for word in read if word not in latest.values()})
             logger.warning("given twice, the last counts: %s", ", ".join(repeated))
-        hydras = [word for word in latest.values() if word.key.startswith(("hydra.", "hydra/"))]
+        hydras = [word for word in latest.values() if word.key.startswith(_HYDRAS)]
         groups = [word for word in latest.values() if self._options(word.key)]
         others = [word for word in latest.values() if word not in {*hydras, *groups}]
-        mended = [f"{word.sign}{word}" for word in hydras]
-        mended += [self._choice(word) for word in groups]
-        base = self._composed(mended) if others or groups else {}
-        return mended + [self._setting(word, base) for word in others]
+        chosen = [f"{word.sign}{word}" for word in hydras]
+        return chosen + [self._choice(word) for word in groups], others
 
     def _read(self, text: str) -> _Word:
         found = _WORD.fullmatch(text)
@@ -176,53 +231,48 @@ class Overrides:
         added = word.key == _EXTRA or not (self.folders[0] / word.key).is_dir() or word.package
         return f"{'+' if added and (word.sign or word.key == _EXTRA) else ''}{word}"
 
-    def _composed(self, words: list[str]) -> dict[str, Any]:
+    def _composed(self, words: list[str]) -> "DictConfig":
         """Compose what can be changed, of a sweep's options the first.
 
         Raises:
             HydraException: The files cannot be composed.
             InputError: The command has no such group, or two choices do not go together.
         """
-        from hydra.errors import HydraException  # a quarter of a second
-
-        try:
+        with self._explained(words):
             return self._compose(words)
-        except HydraException as error:
-            if group := re.search(r"Could not override '([^'.]+)'", str(error)):
-                said = " ".join([self.command, *(w for w in words if w.startswith("train="))])
-                raise InputError(f"lrsr {said} has no {group[1]} to choose") from error
-            for word in words:
-                rest = [one for one in words if one is not word]
-                with suppress(HydraException):
-                    self._compose(rest)
-                    raise InputError(
-                        f"{word}: does not go with {', '.join(rest)}; leave it, or choose another"
-                    ) from error
-            raise
 
-    def _compose(self, words: list[str]) -> dict[str, Any]:
-        from hydra import compose, initialize_config_dir
-        from omegaconf import OmegaConf
+    def _compose(self, words: list[str]) -> "DictConfig":
+        from hydra import compose, initialize_config_dir  # a quarter of a second
 
         search = ",".join(quoted_word(f"file://{folder}") for folder in self.folders[1:])
         firsts = [re.sub(r"=([^,\[]+),.*", r"=\1", word) for word in words if "(" not in word]
         with initialize_config_dir(str(self.folders[0]), version_base="1.3"):
-            composed = compose(self.command, [f"hydra.searchpath=[{search}]", *firsts])
-        plain: Any = OmegaConf.to_container(composed, resolve=False)
-        return dict(plain)
+            return compose(self.command, [f"hydra.searchpath=[{search}]", *firsts])
 
-    def _setting(self, word: _Word, base: dict[str, Any]) -> str:
+    def _setting(self, word: _Word) -> str:
         """Return ``++key=value`` (Hydra changes or adds it), or ``~key`` of an open section.
 
         Raises:
-            InputError: There is no such setting, or it cannot be taken away.
+            InputError: It cannot be taken away, or its value is unreadable.
         """
-        self._check_key(word.key + word.package, base)
         if word.sign != "~":
             return f"++{word.key}={_readable(word, self.sweep)}"
         if word.key.partition(".")[0] not in _OPEN:
             raise InputError(f"~{word.key}: cannot be taken away; give it another value")
         return f"~{word.key}"
+
+    def _check(self, settings: Sequence[_Word], config: "DictConfig") -> None:
+        """Refuse settings that nothing reads.
+
+        Raises:
+            InputError: There is no such setting.
+        """
+        from omegaconf import OmegaConf
+
+        plain: Any = OmegaConf.to_container(config, resolve=False)
+        base = {key: node for key, node in plain.items() if key != "hydra"}
+        for word in settings:
+            self._check_key(word.key + word.package, base)
 
     def _check_key(self, key: str, base: dict[str, Any]) -> None:
         node: Any = base

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 
+import numpy as np
 import torch
 from torch.nn import functional as F
 
@@ -45,8 +46,13 @@ def band_powers(plane: _Floats, brightness: _Floats, edges: Edges, floor: float)
     bands = power.gather(1, order[..., None].expand_as(power)).transpose(1, 2)
     columns = []
     for blocks in bands.tensor_split(2, dim=2):
-        columns += [half.mean(2) for half in blocks.sort(dim=2).values.tensor_split(2, dim=2)]
+        columns += [half.mean(2) for half in in_order(blocks).tensor_split(2, dim=2)]
     return torch.stack(columns, 2).flatten(1).add(floor).log()
+
+
+def in_order(values: _Floats) -> _Floats:
+    """Sort along the last dimension; NumPy does so in a sixth of PyTorch's time."""
+    return torch.from_numpy(np.sort(values.numpy(), axis=-1))
 
 
 def _cosines(plane: _Floats) -> _Floats:

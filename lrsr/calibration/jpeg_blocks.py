@@ -38,8 +38,8 @@ _GRIDS = tuple((x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX))
 """Places of the first pixel within its block."""
 _SAMPLE = 64
 """Coefficients of each frequency that a grid is chosen by; the quality is found with all."""
-_AT_ONCE = 512
-"""Coefficients that are compared with all tables at once: what a cache holds."""
+_AT_ONCE = 256
+"""Coefficients that are compared with all steps at once: what a cache holds."""
 
 _Floats = NDArray[np.float64]
 
@@ -113,32 +113,35 @@ def _likeliest(coefficients: _Floats, most: int | None = None) -> tuple[int, flo
     count = int(told.sum())
     if count < _ENOUGH:
         return 100, 0.0
-    # Of a frequency, a step that is much larger than all of it explains nothing.
-    largest = 2 * np.where(told, sizes, 0.0).max(axis=0) + 8
-    seen, frequency = sizes[told], told.nonzero()[1]
     total = np.zeros(len(_STEPS))
-    for start in range(0, count, _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        steps = _STEPS[:, frequency[part]]
-        total += _log_ratios(seen[part], steps, steps <= largest[frequency[part]])
+    for frequency, (steps, which) in enumerate(_UNEQUAL_STEPS):
+        seen = sizes[told[:, frequency], frequency]
+        if len(seen):
+            total += _log_ratios(seen, steps)[which]
     best = int(np.argmax(total))
     return 1 + best, float(total[best]) / count
 
 
-def _log_ratios(seen: _Floats, steps: _Floats, near: NDArray[np.bool_]) -> _Floats:
-    """Return for every quality how much likelier it makes ``(n,)`` than a smooth density does.
+def _log_ratios(seen: _Floats, steps: _Floats) -> _Floats:
+    """Return for every step how much likelier it makes ``(n,)`` than a smooth density does.
 
     A coefficient that is not zero lies at a multiple of the step, the first or a later one, blurred
-    by rounding; the smooth density, spread over a step, cancels. ``steps``: ``(qualities, n)``;
-    ``near``: which of them may explain anything.
+    by rounding; the smooth density, spread over a step, cancels. A step that is much larger than
+    all of them explains nothing.
     """
-    ratios = np.full(near.shape, math.log(_OUTLIERS))
-    step, size = steps[near], seen[near.nonzero()[1]]
-    miss = (size - np.maximum(np.rint(size / step), 1) * step) / _ROUNDING
-    likely = step * np.exp(-0.5 * miss**2) / (_ROUNDING * math.sqrt(2 * math.pi))
-    ratios[near] = np.log((1 - _OUTLIERS) * likely + _OUTLIERS)
-    return np.asarray(ratios.sum(axis=1))
+    ratios = np.full(len(steps), len(seen) * math.log(_OUTLIERS))
+    near = steps <= 2 * seen.max() + 8
+    step, ratios[near] = steps[near, None].astype(np.float32), 0.0
+    for start in range(0, len(seen), _AT_ONCE):
+        size = seen[start : start + _AT_ONCE].astype(np.float32)
+        times = size / step
+        miss = (times - np.maximum(np.rint(times), 1)) * (step / _ROUNDING)
+        likely = np.exp(-0.5 * (miss * miss)) * (step / (_ROUNDING * math.sqrt(2 * math.pi)))
+        ratios[near] += np.log((1 - _OUTLIERS) * likely + _OUTLIERS).sum(axis=1)
+    return ratios
 
 
 _DCT: _Floats = cosine_transform().numpy()
 _STEPS = np.stack([luminance_table(quality).ravel() for quality in range(1, 101)])
+_UNEQUAL_STEPS = [np.unique(steps, return_inverse=True) for steps in _STEPS.T]
+"""Of each frequency, the steps that there are, and which of them each quality has."""

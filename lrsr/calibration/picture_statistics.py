@@ -25,13 +25,14 @@ Only the middle of a picture counts, since what stands behind a real face is not
 puts there.
 """
 
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
 import torch
 from torch.nn import functional as F
 
-from lrsr.calibration.band_powers import HALVES, band_powers
+from lrsr.calibration.band_powers import HALVES, band_powers, in_order
 from lrsr.camera.checks import check_srgb, number
 from lrsr.camera.processing import luminance
 from lrsr.errors import ImageContractError
@@ -108,7 +109,7 @@ def describe(srgb: torch.Tensor, part: float = 0.75) -> torch.Tensor:
     planes = {"luma": luma, "red": 255 * middle[:, 0] - luma, "blue": 255 * middle[:, 2] - luma}
     columns = [
         _ring_powers(luma),
-        *(_noise(plane, luma) for plane in planes.values()),
+        *_noise(planes.values(), luma),
         *(band_powers(planes[what], luma, edges, _ROUNDING) for what, edges in _BANDS.items()),
         *(_quantiles(plane) for plane in planes.values()),
         _together(**planes),
@@ -197,18 +198,18 @@ def _hann(side: int) -> torch.Tensor:
     return torch.from_numpy(np.hanning(side + 2)[1:-1])
 
 
-def _noise(signal: torch.Tensor, luma: torch.Tensor) -> torch.Tensor:
-    """Return log variances ``(B, RANGES)``, from the darkest quarter to the brightest."""
+def _noise(planes: Iterable[torch.Tensor], luma: torch.Tensor) -> Iterator[torch.Tensor]:
+    """Yield a plane's log variances ``(B, RANGES)``, from the darkest quarter to the brightest."""
     mask = torch.tensor([[1.0, -2, 1], [-2, 4, -2], [1, -2, 1]], dtype=torch.float64) / 6
-    left = F.conv2d(signal[:, None], mask[None, None])[:, 0].flatten(1).square()
     local = F.avg_pool2d(luma[:, None], 3, stride=1)[:, 0].flatten(1)
-    ordered = left.gather(1, local.argsort(dim=1, stable=True))
-    variances = []
-    for group in ordered.tensor_split(RANGES, dim=1):
-        smooth = group.sort(dim=1).values[:, : group.shape[1] // 2]
+    order = local.argsort(dim=1, stable=True)
+    for plane in planes:
+        left = F.conv2d(plane[:, None], mask[None, None])[:, 0].flatten(1).square()
+        groups = left.gather(1, order).tensor_split(RANGES, dim=1)
+        smooth = [in_order(group)[:, : group.shape[1] // 2] for group in groups]
         # Of a normal variable, the smaller half of the squares has the mean 0.1426 of all.
-        variances.append(smooth.mean(1) / 0.1426)
-    return torch.stack(variances, 1).add(_ROUNDING).log()
+        variances = [squares.mean(1) / 0.1426 for squares in smooth]
+        yield torch.stack(variances, 1).add(_ROUNDING).log()
 
 
 def _colours(srgb: torch.Tensor, luma: torch.Tensor) -> torch.Tensor:

@@ -8,7 +8,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 
 People = Mapping[str, Sequence[Recipe]]
 """The recipes that show one head, by a name that it has in every process."""
+
+_METHOD = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
+"""How processes begin: never as forks of this one, which may have started Mitsuba."""
+_LOADED = ["lrsr.identities.morphable", "lrsr.rendering.renderer"]
+"""Takes seconds, and more of them for each process that would load it itself."""
 
 logger = logging.getLogger(__name__)
 
@@ -147,7 +152,9 @@ def render_in_processes(
     Raises:
         InputError: The cache cannot be written, the disk is full, or a process was killed.
     """
-    count, context = min(cache.processes, len(people)), get_context("spawn")
+    count, context = min(cache.processes, len(people)), get_context(_METHOD)
+    if _METHOD == "forkserver":
+        context.set_forkserver_preload(_LOADED)
     elsewhere: dict[str, Sequence[Recipe]] = {}
     begin = (context.Value("i", 0), count)
     with ProcessPoolExecutor(count, context, initializer=_begin, initargs=begin) as pool:

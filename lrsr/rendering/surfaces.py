@@ -7,6 +7,7 @@ double precision: this is what the sensor in Dr.Jit (:mod:`lrsr.rendering.lens_s
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -172,11 +173,12 @@ def exit_pupil(surfaces: Sequence[Surface]) -> tuple[float, float]:
         position_mm: Behind the last vertex (mostly < 0: inside the lens), mm.
         magnification: Radius of the pupil over that of the stop.
     """
-    position_mm, magnification = entrance_pupil(reversed_surfaces(surfaces))
+    position_mm, magnification = entrance_pupil(reversed_surfaces(tuple(surfaces)))
     return -position_mm, magnification
 
 
-def reversed_surfaces(surfaces: Sequence[Surface]) -> tuple[Surface, ...]:
+@lru_cache(maxsize=64)
+def reversed_surfaces(surfaces: tuple[Surface, ...]) -> tuple[Surface, ...]:
     """Return the lens turned round: what light from the film meets."""
     glasses = [AIR, *(surface.glass for surface in surfaces)][-2::-1]
     gaps = [surface.thickness_mm for surface in surfaces[-2::-1]]
@@ -207,30 +209,31 @@ def trace(
     """
     n = _indices(surfaces, wavelength_nm)
     vertices = np.cumsum([0.0, *(surface.thickness_mm for surface in surfaces[:-1])])
-    point = np.array(origins, dtype=np.float64)
-    ray = np.array(directions, dtype=np.float64)
-    ray /= np.linalg.norm(ray, axis=1, keepdims=True)
-    through = np.ones(len(point), dtype=bool)
+    # Rows of x, y and z: NumPy is slow at sums of three columns.
+    point = np.ascontiguousarray(np.asarray(origins, dtype=np.float64).T)
+    ray = np.ascontiguousarray(np.asarray(directions, dtype=np.float64).T)
+    ray = ray / np.linalg.norm(ray, axis=0)
+    through = np.ones(point.shape[1], dtype=bool)
+    along = np.array([[0.0], [0.0], [1.0]])
     for surface, vertex, (before, behind) in zip(surfaces, vertices, pairwise(n), strict=True):
         c = surface.curvature_per_mm
-        point = point + ((vertex - point[:, 2:]) / ray[:, 2:]) * ray
-        f = c * (point[:, :2] ** 2).sum(axis=1)
-        g = ray[:, 2] - c * (point[:, :2] * ray[:, :2]).sum(axis=1)
+        point = point + ((vertex - point[2]) / ray[2]) * ray
+        f = c * (point[:2] ** 2).sum(axis=0)
+        g = ray[2] - c * (point[:2] * ray[:2]).sum(axis=0)
         square = g**2 - c * f
         cosine = np.sqrt(np.clip(square, 0, None))
         step = np.divide(f, g + cosine, out=np.zeros_like(f), where=square > 0)
-        point = point + step[:, None] * ray
-        inside = (point[:, :2] ** 2).sum(axis=1) <= surface.semi_aperture_mm**2
+        point = point + step * ray
+        inside = (point[:2] ** 2).sum(axis=0) <= surface.semi_aperture_mm**2
         ratio = before / behind
         bent = (1 - ratio) * (1 + ratio) + (ratio * cosine) ** 2  # cos² of refraction
         through &= (square > 0) & inside & (bent > 0)
         turn = np.sqrt(np.clip(bent, 0, None)) - ratio * cosine
-        normal = np.array([0.0, 0.0, 1.0]) - c * (point - (0.0, 0.0, vertex))
-        ray = ratio * ray + turn[:, None] * normal
+        ray = ratio * ray + turn * (along - c * (point - vertex * along))
         if surface.power_per_mm:
-            ray[:, :2] -= surface.power_per_mm * ray[:, 2:] * point[:, :2]
-            ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+            ray[:2] -= surface.power_per_mm * ray[2] * point[:2]
+            ray = ray / np.linalg.norm(ray, axis=0)
         # What is lost goes along the axis from here on, so that all numbers stay finite.
-        point = np.where(through[:, None], point, (0.0, 0.0, vertex))
-        ray = np.where(through[:, None], ray, (0.0, 0.0, 1.0))
-    return point, ray, through
+        point = np.where(through, point, vertex * along)
+        ray = np.where(through, ray, along)
+    return point.T, ray.T, through

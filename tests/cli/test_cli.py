@@ -7,13 +7,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from fakes.configurations import compose_keys
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from omegaconf import DictConfig
 
 from lrsr.cli import _COMMANDS, _mended, _with_operands, main
 from lrsr.errors import InputError
-from lrsr.overrides import Overrides
 
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
@@ -94,8 +92,9 @@ def test_a_process_ends_with_that_line_and_status(tmp_path: Path) -> None:
     assert done.stderr.startswith("lrsr: ")
 
 
-def test_settings_are_composed_once_to_know_the_keys_and_once_to_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("words", [["lost"], ["list", "seed=3"]], ids=" ".join)
+def test_settings_are_composed_once_to_know_the_keys_and_to_run(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     composed, load = [], ConfigLoaderImpl.load_configuration
 
@@ -103,11 +102,12 @@ def test_settings_are_composed_once_to_know_the_keys_and_once_to_run(
         composed.append(options)
         return load(*args, **options)
 
-    monkeypatch.setattr(Overrides, "_composed", compose_keys)
     monkeypatch.setattr(ConfigLoaderImpl, "load_configuration", counted)
     monkeypatch.chdir(tmp_path)
-    assert main(["models", "lost"]) == 2
-    assert len(composed) == 2
+    applies = ConfigLoaderImpl._apply_overrides_to_config
+    assert main(["models", *words]) == 2
+    assert len(composed) == 1
+    assert ConfigLoaderImpl._apply_overrides_to_config is applies
 
 
 def test_debug_shows_the_traceback() -> None:
@@ -159,7 +159,7 @@ def test_what_submitits_jobs_print_stays_where_all_machines_see_it(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     line = {"config_path": None, "config_dir": None, "config_name": None, "multirun": True}
-    mended = _mended(SimpleNamespace(overrides=words, **line), "eval", tmp_path)
+    mended, _ = _mended(SimpleNamespace(overrides=words, **line), "eval", tmp_path)
     given = [word.partition("=")[2].strip('"') for word in mended if "submitit_folder" in word]
     assert given == [folder.format(tmp_path) for folder in folders]
 

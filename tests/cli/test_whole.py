@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cv2
 import pytest
+from fakes.figures import draw_nothing
 
 from lrsr.cli import main
 
@@ -18,6 +19,15 @@ def somewhere(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monk
     shared = tmp_path_factory.getbasetemp() / "whole-cache"
     monkeypatch.setenv("LRSR_CACHE", str(shared))
     monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
+
+
+@pytest.fixture
+def _no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    draw_nothing(monkeypatch)
+
+
+without_figures = pytest.mark.usefixtures("_no_figures")
+"""Where a command before has drawn them."""
 
 
 def last_line(capsys: pytest.CaptureFixture[str]) -> Path:
@@ -54,6 +64,7 @@ def test_eval_writes_results_and_report(capsys: pytest.CaptureFixture[str]) -> N
     }  # fmt: skip
 
 
+@without_figures
 def test_what_render_made_eval_does_not_make_again(capsys: pytest.CaptureFixture[str]) -> None:
     people, cache = ["identities.count=2", *TINY], Path("cache")
     enrolled = ["gallery.ipd_px=16", "gallery.samples_per_pixel=8"]
@@ -86,6 +97,7 @@ def test_identities_says_who_the_people_of_eval_are(capsys: pytest.CaptureFixtur
     assert json.loads((folder / "distribution.json").read_text())["people"] == len(rows) == 3
 
 
+@without_figures
 def test_multirun_gives_each_value_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["eval", "-m", "+debug=smoke", "methods=[base]", "level=0.9,0.95"]) == 0
     folders = [Path(line) for line in capsys.readouterr().out.strip().splitlines()]
@@ -93,6 +105,7 @@ def test_multirun_gives_each_value_a_folder(capsys: pytest.CaptureFixture[str]) 
     assert levels == [0.9, 0.95]
 
 
+@without_figures
 def test_train_leaves_weights_that_eval_would_take(capsys: pytest.CaptureFixture[str]) -> None:
     small = ["identities.count=2", "data.views=1", "data.ipd_px=8", "trainer.max_epochs=1"]
     assert main(["train", "sr=srcnn2x", *small, *TINY]) == 0

@@ -1,11 +1,9 @@
 """An evaluation that is killed at any moment ends in the very results of an undisturbed one."""
 
 import random
-import subprocess
-import sys
 from pathlib import Path
 
-TESTS = Path(__file__).parents[1]
+from fakes.elsewhere import finish, run_script
 
 RUNS = """
 import os, signal, sys, time
@@ -74,9 +72,9 @@ def test_killed_at_random_moments_it_ends_in_the_same_results(
     """Moments are shares of the time that a whole run takes."""
     draws = random.Random(0)
     moments = [f"{draws.uniform(0.05, 0.6):.3f}" for _ in range(4)]
-    command = [sys.executable, "-c", RUNS, str(tmp_path), str(tone_model), *moments]
-    ended = subprocess.run(command, cwd=TESTS, capture_output=True, check=True, text=True)
-    assert int(ended.stdout) >= 2
+    ended = finish(tmp_path / "told", run_script, RUNS, str(tmp_path), str(tone_model), *moments)
+    assert ended.status == 0, ended.err
+    assert int(ended.out) >= 2
     for name in ("results.json", "scores.csv", "report.html"):
         quiet, killed = (tmp_path / one / "run" / name for one in ("quiet", "killed"))
         assert killed.read_bytes() == quiet.read_bytes()

@@ -3,7 +3,6 @@
 import copy
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hydra import compose, initialize_config_dir
@@ -32,13 +31,13 @@ def _of_groups(command: str, *words: str) -> DictConfig:
         return compose(command, list(words))
 
 
-compose_keys = Overrides._composed
+_COMPOSED = Overrides._composed
 
 
 def compose_keys_once(patch: pytest.MonkeyPatch) -> None:
     """Compose what a command's words are checked against once for equal groups."""
 
-    def composed(self: Overrides, words: list[str]) -> dict[str, Any]:
+    def composed(self: Overrides, words: list[str]) -> DictConfig:
         empty = {one for one in self.folders if one.is_dir() and not any(one.iterdir())}
         folders = tuple(one for one in self.folders if one not in empty)
         return _keys(self.command, folders, tuple(words))
@@ -47,5 +46,5 @@ def compose_keys_once(patch: pytest.MonkeyPatch) -> None:
 
 
 @cache
-def _keys(command: str, folders: tuple[Path, ...], words: tuple[str, ...]) -> dict[str, Any]:
-    return compose_keys(Overrides(command, folders), list(words))
+def _keys(command: str, folders: tuple[Path, ...], words: tuple[str, ...]) -> DictConfig:
+    return _COMPOSED(Overrides(command, folders), list(words))

@@ -3,13 +3,12 @@
 import errno
 import logging
 import os
-import subprocess
-import sys
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 import pytest
 import torch
+from fakes.elsewhere import finish, run_script
 
 from lrsr.errors import ImageContractError, InputError, NonFiniteError
 from lrsr.identities.person import Traits
@@ -232,8 +231,6 @@ sys.exit(sum(os.wait()[1] != 0 for _ in range(3)))
 
 def test_processes_that_write_the_same_entry_never_see_half_of_it(tmp_path: Path) -> None:
     folder = tmp_path / "cache"
-    ended = subprocess.run(
-        [sys.executable, "-c", THREE_WRITERS, str(folder)], capture_output=True, check=False
-    )
-    assert (ended.returncode, ended.stderr) == (0, b"")
+    ended = finish(tmp_path / "told", run_script, THREE_WRITERS, str(folder))
+    assert (ended.status, ended.err) == (0, "")
     assert [path.name for path in folder.rglob("*.*")] == [f"{KEY}.safetensors"]

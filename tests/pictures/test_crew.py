@@ -10,6 +10,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+from fakes.elsewhere import finish, run_script
 from fakes.maker import FakeMaker
 from fakes.scenes import recipe
 
@@ -93,11 +94,10 @@ for _ in range(3):
 
 
 def test_commands_that_share_a_cache_render_nothing_twice(alone: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-c", THREE, str(tmp_path)]
-    told = subprocess.run(command, cwd=TESTS, capture_output=True, check=True, text=True).stdout
-    made = [one for line in told.splitlines() for one in json.loads(line)]
-    assert sorted(made) == [[index, scale] for index in range(6) for scale in (1, 2)]
-    assert content(tmp_path) == content(alone)
+    ended = finish(tmp_path / "told", run_script, THREE, str(tmp_path / "cache"))
+    made = [one for line in ended.out.splitlines() for one in json.loads(line)]
+    assert sorted(made) == [[index, scale] for index in range(6) for scale in (1, 2)], ended.err
+    assert content(tmp_path / "cache") == content(alone)
 
 
 HOLDER = """

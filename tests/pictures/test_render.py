@@ -2,8 +2,6 @@
 
 import logging
 import random
-import subprocess
-import sys
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import torch
+from fakes.elsewhere import finish, run_script
 from fakes.maker import FakeMaker
 from fakes.scenes import recipe
 from fakes.twins import TwinMaker, traits
@@ -168,6 +167,7 @@ def test_a_cache_that_forgets_is_noticed(
 KILLED = """
 import os, signal, sys, time
 from pathlib import Path
+from fakes.elsewhere import finish, run_script
 from fakes.maker import FakeMaker
 from fakes.scenes import recipe
 from lrsr.pictures.cache import RenderCache
@@ -198,14 +198,9 @@ def test_killed_at_random_moments_it_goes_on_with_nothing_lost_doubled_or_half_w
     """
     folder, quiet = tmp_path / "killed", tmp_path / "quiet"
     moments = [f"{(1 + i // 6) * random.Random(i).uniform(0.03, 0.2):.3f}" for i in range(60)]
-    killed = subprocess.run(
-        [sys.executable, "-c", KILLED, str(folder), *moments],
-        capture_output=True,
-        check=True,
-        text=True,
-        cwd=Path(__file__).parents[1],
-    )
-    after_each = [set(line.split()) for line in killed.stdout.splitlines()]
+    killed = finish(tmp_path / "told", run_script, KILLED, str(folder), *moments)
+    assert killed.status == 0, killed.err
+    after_each = [set(line.split()) for line in killed.out.splitlines()]
     assert len(after_each) >= 6
     for earlier, later in pairwise(after_each):
         assert earlier <= later, "a finished entry was lost or written again"

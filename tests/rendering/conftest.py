@@ -1,12 +1,11 @@
 """One live scene for all tests of this folder."""
 
 import os
-import subprocess
-import sys
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 import pytest
+from fakes.elsewhere import finish, run_module
 from fakes.scenes import Studio
 from oracles.heads import stand_in
 
@@ -32,27 +31,26 @@ def renderer(tmp_path_factory: pytest.TempPathFactory) -> Studio:
 @pytest.fixture(scope="session")
 def traced(tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
     """Return what a variant that traces wavelengths shows; see ``oracles/spectral.py``."""
-    return shown_by("llvm_ad_spectral", "spectral", tmp_path_factory)
+    return shown_by("llvm_ad_spectral", "oracles.spectral", tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
 def slow(tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
     """Return what the variant without any compiler shows; see ``oracles/scalar.py``."""
-    return shown_by("scalar_rgb", "scalar", tmp_path_factory)
+    return shown_by("scalar_rgb", "oracles.scalar", tmp_path_factory)
 
 
 def shown_by(
-    variant: str, oracle: str, tmp_path_factory: pytest.TempPathFactory
+    variant: str, name: str, tmp_path_factory: pytest.TempPathFactory
 ) -> dict[str, np.ndarray]:
     """Run an oracle in a process of its own, as a variant wants it, once for all workers."""
     folder = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         folder = folder.parent
     target = folder / f"{variant}.npz"
-    environment = {**os.environ, "LRSR_VARIANT": variant}
-    environment["PYTHONPATH"] = str(Path(__file__).parents[1])
-    command = [sys.executable, "-m", f"oracles.{oracle}", str(target)]
     with locked(folder):
         if not target.is_file():
-            subprocess.run(command, check=True, env=environment)
+            oracle = partial(run_module, LRSR_VARIANT=variant)
+            ended = finish(folder / variant, oracle, name, str(target))
+            assert ended.status == 0, ended.err
     return dict(np.load(target))

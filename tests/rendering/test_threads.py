@@ -1,16 +1,16 @@
 """Who renders first, from where, and how many at once must not matter."""
 
-import os
-import subprocess
-import sys
 import threading
 import weakref
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event, Thread
 
 import numpy as np
 import pytest
+from fakes import first_use
+from fakes.elsewhere import finish
 from fakes.scenes import POSES, Studio
 from oracles.heads import stand_in
 
@@ -26,71 +26,22 @@ class Value:
 
 ASK = {"ipd_px": 4.0, "samples_per_pixel": 16}
 
-HEADER = """
-import multiprocessing, sys, threading
-import numpy as np
-from fakes.scenes import Studio
-from oracles.heads import stand_in
-from lrsr.rendering import render
-
-def picture(_=0, render=render):
-    return float(render(stand_in(0), ipd_px=4.0, samples_per_pixel=16).image.double().mean())
-
-def own():
-    return picture(render=Studio().render)
-
-def in_threads(functions):
-    seen, faults = [], []
-    def work(function):
-        try:
-            seen.append(function())
-        except BaseException as error:
-            faults.append(f"{type(error).__name__}: {error}")
-    threads = [threading.Thread(target=work, args=(function,)) for function in functions]
-    [thread.start() for thread in threads]
-    [thread.join() for thread in threads]
-    return seen, faults
-
-def in_child(method):
-    with multiprocessing.get_context(method).Pool(1) as pool:
-        return pool.map_async(picture, [0]).get(timeout=120)[0]
-"""
-
 FIRST = {
-    "threads, of one renderer and of their own, then the main one": (
-        "seen, faults = in_threads([picture] * 3 + [own] * 2); seen += [picture()]",
-        6,
-    ),
-    "children that a renderer starts": (
-        "seen, faults = [picture(), in_child('spawn'), in_child('forkserver')], []",
-        3,
-    ),
-    "a forked child before its parent": ("seen, faults = [in_child('fork'), picture()], []", 2),
+    "threads, of one renderer and of their own, then the main one": (first_use.threads, 6),
+    "children that a renderer starts": (first_use.children, 3),
+    "a forked child before its parent": (first_use.fork, 2),
 }
 
 
-def run(tmp_path: Path, body: str) -> subprocess.CompletedProcess[str]:
-    script = tmp_path / "first.py"
-    indented = body.replace("\n", "\n    ")
-    script.write_text(f"{HEADER}\nif __name__ == '__main__':\n    {indented}\n")
-    environment = {**os.environ, "PYTHONWARNINGS": "ignore"}  # multiprocessing's, of forks
-    paths = [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
-    environment["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
-    return subprocess.run(
-        [sys.executable, str(script)], env=environment, text=True, timeout=300,
-        capture_output=True, check=False,
-    )  # fmt: skip
-
-
-@pytest.mark.parametrize(("body", "count"), FIRST.values(), ids=FIRST)
-def test_the_first_use_may_be_anywhere(tmp_path: Path, body: str, count: int) -> None:
+@pytest.mark.parametrize(("first", "count"), FIRST.values(), ids=FIRST)
+def test_the_first_use_may_be_anywhere(
+    first: Callable[[], first_use.Seen], count: int, tmp_path: Path
+) -> None:
     """Case 15: one of two threads died of "module 'mitsuba' has no attribute 'set_variant'"."""
-    done = run(
-        tmp_path, f"{body}\nprint(len(seen), len(set(seen)), faults, flush=True)\nin_child('fork')"
-    )
-    assert done.stdout.splitlines()[-1:] == [f"{count} 1 []"], done.stderr
+    ended = finish(tmp_path / "told", first_use.tell, first)
+    assert ended.out.splitlines()[-1:] == [f"{count} 1 []"], ended.err
     # A child that is forked after a render says what to do.
-    last = done.stderr.splitlines()[-1]
+    last = ended.err.splitlines()[-1]
     assert last.startswith("lrsr.errors.InputError: process ")
     assert "forked after its parent had started Mitsuba" in last
     assert last.endswith("start it by multiprocessing's 'spawn' or 'forkserver'")

@@ -8,7 +8,7 @@ import pytest
 from fakes import configurations
 from fakes.lessons import draw_pictures
 from lightning.pytorch.loggers import CSVLogger
-from omegaconf import DictConfig
+from omegaconf import DictConfig, OmegaConf
 
 from lrsr.errors import InputError
 from lrsr.identities.morphable import RECIPE_VERSION
@@ -17,7 +17,7 @@ from lrsr.identities.roster import Roster, write_roster
 from lrsr.paths import config_folder
 from lrsr.pictures.cache import RenderCache
 from lrsr.pictures.image_files import write_png
-from lrsr.presets import build
+from lrsr.presets import build, node_of
 from lrsr.tasks import _those_of
 from lrsr.training.lessons import read_lessons
 from lrsr.training.progress import Progress
@@ -48,8 +48,14 @@ def lessons(name: str, folder: Path, *overrides: str) -> Any:
 
 
 @cache
-def renderings(name: str, *overrides: str) -> object:
-    return lessons(name, Path("nowhere"), *overrides).about()["renderings"]
+def renderings(name: str, change: str = "seed=0") -> object:
+    """What the renderings of a network's lessons depend on; a preset takes the place of another."""
+    group, _, option = change.partition("=")
+    if not (config_folder() / group).is_dir():
+        return lessons(name, Path("nowhere"), change).about()["renderings"]
+    config = composed(name)
+    OmegaConf.update(config, group.replace("/", "."), node_of(group, option, {}), merge=False)
+    return read_lessons(config, RenderCache(Path("nowhere"))).about()["renderings"]
 
 
 def test_every_network_is_tested() -> None:
