@@ -93,7 +93,7 @@ def test_a_condition_describes_itself_in_plain_values() -> None:
             "axes=pose, lighting, compression: wanted axes or condi",
         ),
         (["+axes.detector=[nobodys]"], "no detector 'nobodys'"),
-        (["+axes.camera=[none.yaml]"], "none.yaml: no such file"),
+        (["+axes.camera=[none.yaml]"], "none.yaml is missing"),
         (["+axes.camera=[fone]"], "camera=fone: there is none; did you mean phone"),
     ],
 )

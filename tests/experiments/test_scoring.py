@@ -131,7 +131,7 @@ def test_the_command_takes_files_without_a_key(
         (["scores.csv", "bootstrap=-1"], "bootstrap=-1: wanted 0 or more draws"),
         (["scores.csv", "level=2"], "level=2"),
         (["scores.csv", "quality=sharpness"], "0 columns sharpness"),
-        (["scores.csv", "people=scores.csv"], "wanted the column identity_id"),
+        (["scores.csv", "people=scores.csv"], "no column identity_id among"),
         (["scores.csv", "people=absent.csv"], "cannot read"),
     ],
 )
