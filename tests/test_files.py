@@ -33,6 +33,8 @@ from lrsr.files import (
     write_text,
 )
 from lrsr.identities.generated.boundaries import read_boundaries
+from lrsr.identities.photographs.correspondence import read_correspondence
+from lrsr.identities.photographs.person import read_photographed
 from lrsr.identities.roster import IdentityRange
 from lrsr.journal import read_lines
 from lrsr.paths import PACKAGE
@@ -258,6 +260,7 @@ def test_a_link_to_a_file_is_one(tmp_path: Path) -> None:
         ("a.jsonl", read_lines),
         ("a.safetensors", lambda path: read_boundaries(path, 8)),
         ("a.csv", lambda path: find_sensitivities(str(path))),
+        ("a.npz", lambda path: read_correspondence(path.with_suffix(".onnx"), "")),
     ],
 )
 def test_no_reader_waits_for_a_pipe(
@@ -266,6 +269,12 @@ def test_no_reader_waits_for_a_pipe(
     path = make_pipe(tmp_path / name)
     with pytest.raises(InputError, match=re.escape(str(path))):
         read(path)
+
+
+def test_a_pipe_is_no_record_of_people(tmp_path: Path) -> None:
+    make_pipe(tmp_path / "people.json")
+    with pytest.raises(InputError, match=r"no people\.json there"):
+        read_photographed(tmp_path)
 
 
 def test_nothing_of_the_users_is_read_another_way() -> None:
@@ -279,4 +288,4 @@ def test_nothing_of_the_users_is_read_another_way() -> None:
         for file in PACKAGE.rglob("*.py")
         if re.search(r"\.read_(bytes|text)\(", file.read_text())
     }
-    assert {name for name in found if not name.startswith("identities/photographs/")} == ours
+    assert found == ours

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lrsr.errors import InputError
+from lrsr.files import check_file
 
 Points = NDArray[np.float64]
 
@@ -94,7 +95,7 @@ def read_correspondence(model: Path, network: str) -> Correspondence:
     """
     path, remedy = correspondence_path(model), f"lrsr calibrate-reconstructor model={model}"
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+        with check_file(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
             raw = dict(archive)
         found = Correspondence(
             points=raw["points"].astype(np.int64),

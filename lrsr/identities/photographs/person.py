@@ -17,6 +17,7 @@ import numpy as np
 
 from lrsr.configuration import require
 from lrsr.errors import InputError
+from lrsr.files import read_bytes
 from lrsr.identities.day.another_day import SAME_DAY, AnotherDay
 from lrsr.identities.face.expression import Expression
 from lrsr.identities.head import Head
@@ -157,7 +158,7 @@ def _reconstructed(person: Photographed, texture_size: int) -> "Reconstruction":
     from lrsr.identities.photographs.reconstructor import shared_reconstructor
 
     try:
-        content = Path(person.file).read_bytes()
+        content = read_bytes(Path(person.file))
     except OSError as error:
         why = error.strerror or error
         raise InputError(f"cannot read {person.file}: {why}; put it back") from error
@@ -190,7 +191,7 @@ def read_photographed(folder: Path) -> tuple[Photographed, ...]:
     """
     path = folder / RECORD
     try:
-        content = json.loads(path.read_bytes())
+        content = json.loads(read_bytes(path))
     except OSError as error:
         remedy = f"lrsr reconstruct images=PICTURES out={folder} makes one"
         raise InputError(f"identities.photographs={folder}: no {RECORD} there; {remedy}") from error

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lrsr.files import read_bytes
 from lrsr.identities.photographs.correspondence import correspondence_path, read_correspondence
 from lrsr.identities.photographs.fit import FaceFitter, Fit
 from lrsr.identities.photographs.landmarker import SHIPPED, Landmarker
@@ -60,7 +61,7 @@ class Reconstructor:
         """Return a checksum of all three files."""
         model = self.landmarker.model
         parts = (model, contract_path(model), correspondence_path(model))
-        return hashlib.sha256(b"".join(part.read_bytes() for part in parts)).hexdigest()
+        return hashlib.sha256(b"".join(map(read_bytes, parts))).hexdigest()
 
     def __call__(self, srgb: NDArray[np.float32], five_px: ArrayLike) -> Found:
         """Fit a face to a photograph.
