@@ -2,7 +2,8 @@
 
 People are drawn as everybody is, their resting expressions left out. The principal components of
 what the front of their faces does, rigid motion aside, become directions of the shape space. Run it
-again whenever the recipe of heads changes.
+again when shapes change; those of recipe 10 are recipe 9's, of which the asset is, but for what the
+gate refuses and women who are farther from men.
 """
 
 import json
