@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torch.nn import functional as F
 
 from lrsr.configuration import as_flag, as_mapping, as_number, as_whole, as_word
-from lrsr.errors import DivergenceError, InputError
+from lrsr.errors import DivergenceError, InputError, NonFiniteError
 from lrsr.evaluation.quality import psnr_y
 from lrsr.pictures.recipe import derived_seed
 from lrsr.presets import preset, presets
@@ -211,12 +211,15 @@ class Restoration(Learner):
 
         Raises:
             DivergenceError: A restored image holds a NaN.
+            InputError: The pictures cannot be enlarged.
         """
         small, true = batch
         try:
             with torch.autocast(self.device.type, enabled=False):
                 restored = self._upscaler(small)
         except InputError as error:
+            if not isinstance(error.__cause__, NonFiniteError):
+                raise
             raise DivergenceError(
                 f"a restored image is NaN at epoch {self.current_epoch}, so the weights diverged;"
                 " lower the learning rate"

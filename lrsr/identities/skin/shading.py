@@ -45,7 +45,8 @@ _PERCENT = {
 }  # fmt: skip
 """Everybody's shading. Key: y on the template, mm. Values: every 8 mm from the midline outwards,
 the logarithm of what luminance is multiplied by, times 100: mean of the albedos of 26 photographs
-of 13 people minus that of ours, both sides averaged, less what brows do (docs/people.md)."""
+of 13 people minus that of ours, both sides averaged, less what brows and, at -46 and -49, nostrils
+do (docs/people.md)."""
 _STEP_MM = 8.0
 
 
@@ -57,14 +58,14 @@ class _Shade(NamedTuple):
         size: Standard deviation across, mm.
         sd: Between people, of the logarithm of luminance where it is strongest.
         mean: Of what is too fine for :data:`_PERCENT`.
-        deepest: The greatest z on the template, mm: what lies before it is no part of the place.
+        foremost: Greatest z on the template, mm: what lies before it is no part of the place.
     """
 
     path: tuple[tuple[float, float], ...]
     size: float
     sd: float
     mean: float = 0.0
-    deepest: float = np.inf
+    foremost: float = np.inf
 
 
 _SHADES = {
@@ -238,8 +239,8 @@ def _draw(shade: _Shade, position: FloatMap) -> _Weight:
     outer = _box(near & (z > -48.0))
     squares = _squared_distance(np.stack([x[outer], y[outer]], axis=-1), path)
     values = np.exp(-0.5 * squares / shade.size**2) * smoothstep(-48.0, -32.0, z[outer])
-    if np.isfinite(shade.deepest):
-        values = values * smoothstep(shade.deepest + 1.0, shade.deepest - 1.0, z[outer])
+    if np.isfinite(shade.foremost):
+        values = values * smoothstep(shade.foremost + 1.0, shade.foremost - 1.0, z[outer])
     inner = _box(values > 0.01)
     box = tuple(
         slice(around.start + own.start, around.start + own.stop)

@@ -59,7 +59,7 @@ def around(layout: Layout, x: float, y: float, reach: float = 3.0) -> NDArray[np
         ("outer corner of the eye", 41.0, -1.0, -1.00, -0.55),
         ("flank of the nose", 8.0, -7.0, -0.40, -0.10),
         ("ridge of the nose", 0.0, -37.0, 0.05, 0.30),
-        ("below the nose", 2.0, -52.0, -0.80, -0.15),
+        ("below the nose", 2.0, -52.0, -0.80, -0.30),
         ("nasolabial fold", 32.0, -61.0, -0.70, -0.30),
         ("apple of the cheek", 34.0, -37.0, 0.05, 0.25),
     ],
@@ -74,7 +74,7 @@ def test_a_place_is_as_much_darker_or_lighter_as_photographs_show(
 def test_nostrils_are_dark_and_what_lies_before_them_is_not(
     painter: ShadingPainter, layout: Layout
 ) -> None:
-    """Photographs: the darkest fifth of a nostril has -0.96 (docs/people.md)."""
+    """Albedos of photographs: the darkest fifth of a nostril has -0.96 against the cheeks."""
     change, depth = shade(painter, layout, usual()), layout.position[..., 2]
     place = around(layout, 9.5, -45.0, 4.0)
     inside, before = change[place & (depth < 19.0)], change[place & (depth > 22.0)]
