@@ -103,7 +103,7 @@ def sample_appearance(
         "make_up": sample_make_up(child["make_up"], masculinity=masculinity, age=age),
         "marks": sample_marks(child["marks"], melanin=complexion["melanin"], age=age),
         "lines": sample_lines(child["lines"], age=age, masculinity=masculinity),
-        "brows": sample_brows(child["brows"], masculinity=masculinity),
+        "brows": sample_brows(child["brows"], masculinity=masculinity, age=age),
         "beard": sample_beard(
             child["beard"], masculinity=masculinity, asian=asian, grey=hair["grey"]
         ),
@@ -112,7 +112,7 @@ def sample_appearance(
         "lashes": sample_lashes(child["lashes"], masculinity=masculinity),
         "grain": sample_grain(child["grain"], masculinity=masculinity, age=age),
         "sheen": sample_sheen(child["sheen"], age=age),
-        "shading": sample_shading(child["shading"], age=age),
+        "shading": sample_shading(child["shading"], masculinity=masculinity, age=age),
     }
 
 

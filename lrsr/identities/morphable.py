@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
@@ -47,9 +46,10 @@ from lrsr.identities.shape.anatomy import Anatomy, coefficients, sample_anatomy
 from lrsr.identities.shape.basis import BaseHead, load_basis
 from lrsr.identities.shape.position_map import PositionMap, draw_triangles, fill_outside
 from lrsr.identities.shape.proportions import load_gauge
+from lrsr.identities.skin.features import cover
 from lrsr.identities.skin.relief import displace
 
-RECIPE_VERSION = "10"
+RECIPE_VERSION = "11"
 """Changes whenever the same seed would give other pixels."""
 
 _STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")
@@ -201,11 +201,8 @@ def _paint_skin(parameters: Mapping[str, Any], texture_size: int) -> SkinMaps:
     seed, hair = parameters["seed"], parameters["hair"]
     skin, scalp = _painters(texture_size)
     maps = skin.paint(parameters["appearance"], seed)
-    albedo = maps.albedo
-    roots = cv2.merge([scalp.paint(hair, seed)] * 3)
-    roots *= np.tile(mean_colour(hair).astype(np.float32), (texture_size, 1)) - albedo
-    albedo += roots
-    lining(texture_size).paint(albedo)
+    cover(maps.albedo, mean_colour(hair), *scalp.roots(hair, seed))
+    lining(texture_size).paint(maps.albedo)
     return maps
 
 

@@ -44,6 +44,6 @@ def test_mesh_and_texture(benchmark: BenchmarkFixture, style: str) -> None:
 def test_roots(benchmark: BenchmarkFixture) -> None:
     scalp = Scalp(_position_map(512).points)
     hair = style_parameters("crop", np.random.default_rng(0))
-    benchmark(scalp.paint, hair, 0)
-    painted, whole = cpu_s(lambda: scalp.paint(hair, 0)), cpu_s(lambda: sample_head(0), 2)
+    benchmark(scalp.roots, hair, 0)
+    painted, whole = cpu_s(lambda: scalp.roots(hair, 0)), cpu_s(lambda: sample_head(0), 2)
     sys.stdout.write(f"\nroots: {1e3 * painted:.0f} ms, {painted / whole:.0%} of a whole head\n")

@@ -223,10 +223,12 @@ def test_appearances_are_plain_and_follow_the_person() -> None:
     assert all(person["hair_colour"]["eumelanin"] > 2 for person in dark)
 
 
-def test_the_same_stream_draws_the_same_person_and_age_leaves_the_brows() -> None:
+def test_the_same_stream_draws_the_same_person_and_age_only_thins_the_brows() -> None:
     assert _person(7) == _person(7)
     assert _person(7) != _person(8)
-    assert _person(7, age=0.9)["brows"] == _person(7, age=0.1)["brows"]
+    old, young = _person(7, age=0.9)["brows"], _person(7, age=0.1)["brows"]
+    assert {**old, "density": 0.0} == {**young, "density": 0.0}
+    assert old["density"] < young["density"]
 
 
 def test_a_beard_leaves_the_brows_hairs_where_they_were() -> None:

@@ -26,7 +26,8 @@ _BALDING = {
 """What can be made of hair that has gone; nobody loses it within a few years."""
 _CURLS = {
     "afro": {"afro", "buzz", "shaved", "curly", "pulled_back"},
-    "curly": {"curly", "buzz", "crop", "pixie", "pulled_back", "long_wavy"},
+    "curly": {"curly", "buzz", "crop", "pixie", "pulled_back", "long_curly"},
+    "long_curly": {"long_curly", "curly", "pixie", "pulled_back"},
 }
 _TRIES = 60
 _CUT, _GROWN = 0.7, 1.45

@@ -20,16 +20,17 @@ _WEIGHTS: dict[str, tuple[float, float]] = {
     "horseshoe": (0.5, 0.0),
     "quiff": (1.4, 0.02),
     "slicked_back": (0.9, 0.05),
-    "curly": (1.1, 0.45),
-    "afro": (0.25, 0.35),
-    "pixie": (0.25, 0.4),
-    "curtain": (0.35, 0.3),
+    "curly": (1.1, 0.06),
+    "long_curly": (0.04, 0.45),
+    "afro": (0.25, 0.2),
+    "pixie": (0.25, 0.3),
+    "curtain": (0.35, 0.2),
     "bob": (0.03, 1.6),
     "long_straight": (0.12, 1.9),
     "long_wavy": (0.12, 2.2),
     "fringe": (0.02, 1.0),
-    "tucked": (0.15, 1.1),
-    "pulled_back": (0.12, 0.55),
+    "tucked": (0.15, 0.8),
+    "pulled_back": (0.12, 0.4),
 }
 
 _HAIRLINE_DEG = (-1.5, 1.5)
@@ -93,8 +94,9 @@ def _style_weights(
 ) -> NDArray[np.float64]:
     male = _sex(masculinity)
     weights = {s: male * men + (1.0 - male) * women for s, (men, women) in _WEIGHTS.items()}
-    weights["afro"] *= 0.15 + 9.0 * african**2
-    weights["curly"] *= 0.5 + 2.2 * african + 0.3 * (1.0 - asian)
+    weights["afro"] *= 0.03 + 9.0 * african**2
+    for style in ("curly", "long_curly"):
+        weights[style] *= 0.5 + 2.2 * african + 0.3 * (1.0 - asian)
     factors = (
         (1.0 + 0.8 * african, ("buzz", "shaved")),
         (1.0 - 0.65 * african, ("side_parting", "quiff", "curtain", "bob", "tucked")),

@@ -89,7 +89,6 @@ class Scalp:
     """
 
     def __init__(self, position_map_xyz: NDArray[np.floating[Any]]) -> None:
-        self.shape = position_map_xyz.shape[:2]
         points = np.nan_to_num(np.asarray(position_map_xyz, dtype=np.float64), nan=1e4)
         azimuth, polar = chart_angles(points)
         reach = np.interp(np.abs(azimuth), _CONTROL[:, 0], _CONTROL[:, 1]) + _REACH_DEG
@@ -100,15 +99,18 @@ class Scalp:
         self._column = np.rint(azimuth[grows] % 360.0 * (_FINE / 360.0)).astype(np.intp) % _FINE
         self._stroke = np.rint(self._polar).astype(np.intp) * _FINE + self._column
 
-    def paint(self, parameters: Mapping[str, Any], seed: int) -> NDArray[np.float32]:
-        """Return how much of each texel the hair roots cover.
+    def roots(
+        self, parameters: Mapping[str, Any], seed: int
+    ) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+        """Return which texels the hair roots cover, and how much of each.
 
         Args:
             parameters: Of one head of hair.
             seed: Of the ragged edge.
 
         Returns:
-            ``(H, W)`` float32, 0 = bare skin, 1 = all hair; fades over about 15 mm in strokes.
+            texels: ``(n,)``, indices into the flat texture; all others are bare.
+            cover: ``(n,)``, 0 = bare skin, 1 = all hair; fades over about 15 mm in strokes.
         """
         around = np.arange(_FINE, dtype=np.float64) * (360.0 / _FINE)
         azimuth = np.asarray((around + 180.0) % 360.0 - 180.0)
@@ -127,9 +129,7 @@ class Scalp:
             cover = cover * smoothstep(0.0, 1.0, (rim_mm + 10.0 * (stroke - 0.5)) / 18.0 + 0.5)
         density = parameters["density"] * (1.0 - _WHITE_ROOTS * parameters.get("grey", 0.0))
         cover *= density + (1.0 - density) * 0.5 * (stroke - 0.5)
-        mask = np.zeros(self.shape, dtype=np.float32)
-        mask.ravel()[self._texels[near]] = np.clip(cover, 0.0, 1.0)
-        return mask
+        return self._texels[near], np.clip(cover, 0.0, 1.0).astype(np.float32)
 
 
 def bald_polar(azimuth: _Floats, bald_deg: float) -> _Floats:

@@ -160,6 +160,23 @@ _RANGES: dict[str, dict[str, _Range]] = {
         "fringe_mm": (-4.0, 22.0),
         "taper_mm": (8.0, 16.0),
     },
+    "long_curly": _LONG
+    | {
+        "parting_deg": (-22.0, 22.0),
+        "low_side_mm": (-190.0, -75.0),
+        "low_back_mm": (-190.0, -85.0),
+        "top_mm": (14.0, 28.0),
+        "side_mm": (16.0, 30.0),
+        "back_mm": (14.0, 28.0),
+        "wave_mm": (3.0, 7.0),
+        "wave_period_mm": (24.0, 40.0),
+        "clump_mm": (3.0, 5.5),
+        "clump_scale_mm": (7.0, 12.0),
+        "curl_mm": (2.6, 4.5),
+        "flyaway_mm": (3.0, 6.0),
+        "flare_mm": (-4.0, 14.0),
+        "hang": (0.7, 0.95),
+    },
     "afro": _SHORT
     | {
         "top_mm": (22.0, 58.0),

@@ -64,11 +64,11 @@ class _Trend(NamedTuple):
 
 _TRENDS = {
     "head/head-age-decr-incr": _Trend(average=-0.2, sex=0.36, age=1.2, women_age=0.5),
-    "eyes/eye-bag-decr-incr": _Trend(age=1.1),
-    "cheek/cheek-trans-down-up": _Trend(age=-0.75),
+    "eyes/eye-bag-decr-incr": _Trend(age=1.1, women_age=0.7),
+    "cheek/cheek-trans-down-up": _Trend(age=-0.75, women_age=-0.8),
     "eyes/eye-eyefold-down-up": _Trend(age=-0.6, women_age=-0.4),
-    "mouth/mouth-laugh-lines-in-out": _Trend(age=0.75),
-    "neck/neck-double-decr-incr": _Trend(age=0.6),
+    "mouth/mouth-laugh-lines-in-out": _Trend(age=0.75, women_age=0.8),
+    "neck/neck-double-decr-incr": _Trend(age=0.6, women_age=0.4),
     "ears/ear-lobe-decr-incr": _Trend(age=0.5),
     "mouth/mouth-upperlip-height-decr-incr": _Trend(average=-0.1, sex=-0.1, age=-0.5),
     "mouth/mouth-lowerlip-height-decr-incr": _Trend(average=-0.1, sex=-0.1, age=-0.5),
@@ -161,6 +161,7 @@ def _fit_sliders(
     gauge: Gauge,
     usual: Mapping[str, float],
     weights: NDArray[np.float64],
+    masculinity: float,
     rng: Generator,
 ) -> dict[str, float]:
     """Draw sliders that give a person's measures.
@@ -170,13 +171,14 @@ def _fit_sliders(
         gauge: What they do to the measures of a face.
         usual: The average person's sliders.
         weights: ``(K,)`` coefficients of the person with these sliders.
+        masculinity: 0 (female) to 1 (male).
         rng: Source of randomness.
     """
     place = {name: k for k, name in enumerate(names)}
     ends = np.array([[place[f"{slider}/-"], place[f"{slider}/+"]] for slider in usual])
     width = np.array([REGION_WIDTH[slider.split("/")[0]] for slider in usual])
     drawn = np.array(list(usual.values())) + width * rng.standard_normal(len(usual))
-    fitted = fit_measures(gauge, weights, drawn, ends, width, draw_measures(rng))
+    fitted = fit_measures(gauge, weights, drawn, ends, width, draw_measures(rng, masculinity))
     return dict(zip(usual, np.clip(fitted, -1.5, 1.5).tolist(), strict=True))
 
 
@@ -247,7 +249,7 @@ def sample_anatomy(
         "expression": _draw_expression(names, rng),
     }
     usual = coefficients(names, anatomy, **traits, ancestry=ancestry)
-    sliders = _fit_sliders(names, gauge, anatomy["sliders"], usual, rng)
+    sliders = _fit_sliders(names, gauge, anatomy["sliders"], usual, masculinity, rng)
     return {**anatomy, "sliders": sliders}
 
 

@@ -47,6 +47,7 @@ class _Measure(NamedTuple):
         low: The other point.
         sd_mm: Standard deviation among people of one sex and ancestry.
         of: What it is part of.
+        means_mm: What the averages of women and of men lack to those of people (Farkas 1994).
     """
 
     name: str
@@ -55,12 +56,19 @@ class _Measure(NamedTuple):
     low: tuple[float, float, float]
     sd_mm: float
     of: _Group = "features"
+    means_mm: tuple[float, float] = (0.0, 0.0)
 
 
 def _across(
-    name: str, x: float, y: float, z: float, sd_mm: float, of: _Group = "features"
+    name: str,
+    x: float,
+    y: float,
+    z: float,
+    sd_mm: float,
+    of: _Group = "features",
+    means_mm: tuple[float, float] = (0.0, 0.0),
 ) -> _Measure:
-    return _Measure(name, _X, (x, y, z), (-x, y, z), sd_mm, of)
+    return _Measure(name, _X, (x, y, z), (-x, y, z), sd_mm, of, means_mm)
 
 
 _NASION = (0.0, 1.3, 8.3)
@@ -77,26 +85,26 @@ _LEFT_EAR = (-76.1, 23.4, -95.7), (-76.6, -51.8, -92.3)
 _RIGHT_EAR = (76.1, 23.4, -95.7), (76.6, -51.8, -92.3)
 
 _MEASURES = (
-    _across("width between cheekbones", 68.3, -19.2, -41.6, 5.0, "outline"),
-    _across("width between jaw angles", 57.9, -80.4, -48.0, 5.5, "outline"),
+    _across("width between cheekbones", 68.3, -19.2, -41.6, 5.0, "outline", (-3.0, 0.0)),
+    _across("width between jaw angles", 57.9, -80.4, -48.0, 5.5, "outline", (-4.0, 0.0)),
     _across("width of the forehead", 60.0, 30.0, -30.0, 5.0, "outline"),
-    _across("width of the head", 71.8, 51.1, -78.0, 5.5, "outline"),
+    _across("width of the head", 71.8, 51.1, -78.0, 5.5, "outline", (-2.0, 0.0)),
     _across("width between the ears", 89.8, -6.0, -110.0, 7.0, "outline"),
-    _across("width of the chin", 20.9, -103.4, -1.4, 3.5, "outline"),
+    _across("width of the chin", 20.9, -103.4, -1.4, 3.5, "outline", (-3.0, 0.0)),
     _across("width of the nose", 19.0, -45.0, 8.0, 2.4),
     _across("width of the bridge", 9.0, -8.0, 0.0, 1.6),
     _across("width of the mouth", 25.0, -73.0, 0.0, 3.5),
-    _across("inner canthi", 18.0, -4.0, -6.0, 2.5),
-    _across("outer canthi", 46.0, -2.0, -12.0, 3.8),
+    _across("inner canthi", 18.0, -4.0, -6.0, 2.5, "features", (0.5, -1.5)),
+    _across("outer canthi", 46.0, -2.0, -12.0, 3.8, "features", (0.0, 2.0)),
     _Measure("opening of the left lids", _Y, (-32.0, 2.9, -2.0), (-32.0, -5.7, -2.0), 1.0),
     _Measure("opening of the right lids", _Y, (32.0, 2.9, -2.0), (32.0, -5.7, -2.0), 1.0),
     _Measure("height of the brow", _Y, (34.6, 17.3, 6.8), (32.0, 2.9, -2.0), 2.5),
-    _Measure("height of the nose", _Y, _NASION, _SUBNASALE, 3.2),
+    _Measure("height of the nose", _Y, _NASION, _SUBNASALE, 3.2, "features", (0.5, -2.5)),
     _Measure("height of the lower face", _Y, _SUBNASALE, _GNATHION, 4.2, "outline"),
-    _Measure("height of the upper lip", _Y, _SUBNASALE, _STOMION, 2.2),
+    _Measure("height of the upper lip", _Y, _SUBNASALE, _STOMION, 2.2, "features", (-1.5, -1.0)),
     _Measure("red of the upper lip", _Y, _UPPER_LIP, _STOMION, 1.6),
     _Measure("red of the lower lip", _Y, _STOMION, _LOWER_LIP, 1.7),
-    _Measure("height of the chin", _Y, _STOMION, _GNATHION, 3.2, "outline"),
+    _Measure("height of the chin", _Y, _STOMION, _GNATHION, 3.2, "outline", (0.0, -2.5)),
     _Measure("height of the skull", _Y, _VERTEX, _NASION, 6.0, "outline"),
     _Measure("height of the left ear", _Y, *_LEFT_EAR, 4.0, "outline"),
     _Measure("height of the right ear", _Y, *_RIGHT_EAR, 4.0, "outline"),
@@ -167,10 +175,14 @@ def load_gauge() -> Gauge:
     return Gauge(effects(_MEASURES), seals, seals @ basis.neutral - _PRESSED_MM)
 
 
-def draw_measures(rng: Generator) -> NDArray[np.float64]:
+def draw_measures(rng: Generator, masculinity: float) -> NDArray[np.float64]:
     """Draw how far the measures of a person are from the mean of the person's sex and ancestry.
 
     Both sides of a face get the same; :mod:`lrsr.identities.shape.anatomy` makes them differ.
+
+    Args:
+        rng: Source of randomness.
+        masculinity: 0 (female) to 1 (male).
 
     Returns:
         ``(M,)``, mm, in the order of :data:`_MEASURES`.
@@ -185,6 +197,7 @@ def draw_measures(rng: Generator) -> NDArray[np.float64]:
         common = _IN_COMMON[measure.of]
         z = np.sqrt(common) * of_axis[measure.axis] + np.sqrt(1 - common) * own[name]
         drawn[k] = measure.sd_mm * np.clip(z, -_FARTHEST_SD, _FARTHEST_SD)
+        drawn[k] += np.dot((1.0 - masculinity, masculinity), measure.means_mm)
     whole, *parts = (
         _PLACE[f"height of the {part}"] for part in ("lower face", "upper lip", "chin")
     )

@@ -50,29 +50,33 @@ class Brows(TypedDict):
     unevenness_mm: float
 
 
-def sample_brows(rng: Generator, *, masculinity: float) -> Brows:
+def sample_brows(rng: Generator, *, masculinity: float, age: float) -> Brows:
     """Draw a person's eyebrows.
 
     Args:
         rng: Source of randomness.
         masculinity: 0 (female) to 1 (male): men's brows are thicker, lower and flatter.
+        age: 0 (25 years) to 1 (old): women's thin out (Porcheron et al., "Aspects of facial
+            contrast decrease with age and are cues for age perception", PLoS ONE 8, 2013).
 
     Returns:
         Plain numbers.
     """
     m = float(masculinity)
-    thickness = float(np.clip(rng.normal(4.3 + 2.9 * m, 1.0 + 0.2 * m), 3.0, 10.0))
+    thickness = float(np.clip(rng.normal(3.55 + 3.65 * m, 0.85 + 0.35 * m), 2.6, 10.0))
     return {
         "start_mm": float(np.clip(rng.normal(17.5 - 1.5 * m, 2.4), 9.0, 22.0)),
         "end_mm": float(np.clip(rng.normal(51.0, 3.8), 42.0, 60.0)),
-        "height_mm": float(np.clip(rng.normal(1.4 - 2.2 * m, 0.9), -1.8, 4.0)),
+        "height_mm": float(np.clip(rng.normal(1.9 - 2.7 * m, 0.9), -1.8, 4.0)),
         "arch_mm": float(0.3 + 5.0 * rng.beta(2.0 - 0.7 * m, 1.8 + 1.8 * m)),
         "peak": float(rng.uniform(0.44, 0.82)),
         "slope_mm": float(np.clip(rng.normal(-0.4 - 0.4 * m, 1.3), -3.0, 1.4)),
         "tail_mm": float(rng.uniform(0.8, 5.5)),
         "thickness_mm": thickness,
         "taper": float(rng.uniform(0.4, 1.1)),
-        "density": float(np.clip(np.exp(rng.normal(0.15 + 0.35 * m, 0.45)), 0.6, 4.0)),
+        "density": float(
+            np.clip(np.exp(rng.normal(0.15 + 0.35 * m - 0.4 * age * (1 - m), 0.45)), 0.6, 4.0)
+        ),
         "strand_mm": float(rng.uniform(4.5, 8.0)),
         "bridge": float(rng.uniform(0.15, 0.7)) if rng.random() < 0.005 + 0.03 * m else 0.0,
         "unevenness_mm": float(rng.normal(0.0, 0.45)),

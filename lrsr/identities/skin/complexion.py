@@ -6,14 +6,14 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-MELANIN_LIMITS = (0.003, 0.42)
+MELANIN_LIMITS = (0.003, 0.33)
 _BLOOD_LIMITS = (0.008, 0.062)
 """Volume fractions that people's means are kept within."""
 
-_MELANIN_MEANS = (0.24, 0.030, 0.0080)
+_MELANIN_MEANS = (0.21, 0.030, 0.0080)
 """Of African, Asian and European ancestry, set so that the typology angles of cheeks have medians
-of about -25, 28 and 36 degrees (faces are some 10 degrees darker than arms are)."""
-_SEX = 0.15  # of the logarithm: 2 to 4 percent of reflectance between the sexes
+of about -20, 28 and 41 degrees (faces are some 10 degrees darker than arms are)."""
+_SEX = 0.22  # of the logarithm: 2 to 4 percent of reflectance between the sexes
 _BLOOD_MEAN = 0.022
 _MOST_FLUSH = 0.6  # a cheek of more is a clown's
 
@@ -80,7 +80,7 @@ def sample_complexion(
         "forehead": float(rng.uniform(-0.35, 0.2)),
         "dark_circles": float(np.clip(rng.normal(0.06 + 0.36 * age, 0.22), 0.0, 0.8)),
         "tan": float(rng.uniform(-0.1, 0.25)),
-        "lip_fading": float(age * rng.uniform(0.15, 0.6)),
+        "lip_fading": float(age * rng.uniform(0.3, 0.8)),
         "carotene": float(np.clip(rng.normal(0.04 + 0.06 * shares[1], 0.09), -0.10, 0.24)),
         "perioral": float(np.clip(rng.normal(0.08, 0.25), -0.4, 0.6)),
         "orbits": float(np.clip(rng.normal(0.06 + 0.18 * age, 0.28), -0.4, 0.7)),

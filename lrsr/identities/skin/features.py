@@ -89,14 +89,14 @@ class FeaturePainter:
         if make_up["lipstick"] > 0:
             texels, opacity = self._lips.times(make_up["lipstick"])
             opacity *= 1 - np.float32(0.4) * self._contact
-            _cover(albedo, depth * np.asarray(make_up["lipstick_colour"]), texels, opacity)
+            cover(albedo, depth * np.asarray(make_up["lipstick_colour"]), texels, opacity)
         if make_up["blush"] > 0:
-            _cover(albedo, depth * _BLUSH, *self._cheeks.times(make_up["blush"]))
+            cover(albedo, depth * _BLUSH, *self._cheeks.times(make_up["blush"]))
         if make_up["eyeshadow"] > 0:
             colour = depth * np.asarray(make_up["eyeshadow_colour"])
-            _cover(albedo, colour, *self._lids.times(make_up["eyeshadow"]))
+            cover(albedo, colour, *self._lids.times(make_up["eyeshadow"]))
         if make_up["eyeliner"] > 0:
-            _cover(albedo, (0.012, 0.010, 0.010), *self._liner.times(make_up["eyeliner"]))
+            cover(albedo, (0.012, 0.010, 0.010), *self._liner.times(make_up["eyeliner"]))
 
     def paint_lash_lines(self, albedo: FloatMap, lashes: Lashes) -> None:
         """Darken the upper lids where the roots of the lashes stand.
@@ -105,7 +105,7 @@ class FeaturePainter:
             albedo: ``(H, W, 3)`` float32, linear sRGB reflectance, changed in place.
             lashes: A person's lashes.
         """
-        _cover(albedo, _LASH_ROOTS, *self._lash_line.times(min(0.75, 3.2 * lashes["width_mm"])))
+        cover(albedo, _LASH_ROOTS, *self._lash_line.times(min(0.75, 3.2 * lashes["width_mm"])))
 
     def paint_brows(self, albedo: FloatMap, brows: Brows, hair: HairColour, rng: Generator) -> None:
         """Paint the brows.
@@ -123,7 +123,7 @@ class FeaturePainter:
         colour = np.maximum(colour, _DARKEST_BROW)
         _shade(albedo, colour, self._brows.texels, self._brow_opacity(hairs[white:]))
         if white:
-            _cover(albedo, _WHITE_BROW, self._brows.texels, self._brow_opacity(hairs[:white]))
+            cover(albedo, _WHITE_BROW, self._brows.texels, self._brow_opacity(hairs[:white]))
 
     def _brow_opacity(self, hairs: NDArray[Any]) -> FloatMap:
         sheet = self._soften(eyebrows.cover_brows(hairs), eyebrows.CANVAS.pixel_mm)
@@ -149,7 +149,7 @@ class FeaturePainter:
         if beard["shadow"] > 0:
             dark = 1 - min(1.0, 4.0 * float(colour.mean()))
             opacity = np.float32(0.42 * beard["shadow"] * dark) * self._shadow
-            _cover(albedo, (0.055, 0.058, 0.064), self._jaw, opacity)
+            cover(albedo, (0.055, 0.058, 0.064), self._jaw, opacity)
         if beard["kind"] == "none":
             return np.zeros(len(self._vertex_pixels), dtype=np.float32)
         sheet = beards.draw_beard(beard, rng)
@@ -158,7 +158,7 @@ class FeaturePainter:
         sheet = self._soften(sheet, beards.JAW.pixel_mm)
         opacity = beards.JAW.sample(sheet, self._jaw_pixels).astype(np.float32)
         mask = beards.beard_mask(beard, self._zones)
-        paint = _cover if beard["grey"] * hair["grey"] > _WHITE_BEARD else _shade
+        paint = cover if beard["grey"] * hair["grey"] > _WHITE_BEARD else _shade
         paint(albedo, colour, self._jaw, beards.feather(opacity / np.float32(255), mask))
         length = 0.7 * beard["length_mm"] * min(1.0, beard["density"])
         length = 0.0 if beard["kind"] == "stubble" else length
@@ -194,10 +194,17 @@ class _Stencil(NamedTuple):
         return self.texels, np.float32(strength) * self.share
 
 
-def _cover(
+def cover(
     albedo: FloatMap, colour: ArrayLike, texels: NDArray[np.int64], opacity: FloatMap
 ) -> None:
-    """Paint a colour over some texels of the albedo in place."""
+    """Paint a colour over some texels.
+
+    Args:
+        albedo: ``(H, W, 3)`` float32, changed in place.
+        colour: Three numbers, linear sRGB.
+        texels: ``(n,)``, indices into the flat texture, each once.
+        opacity: ``(n,)`` float32, [0, 1]; what covers less than a thousandth is not painted.
+    """
     texels, opacity = _seen(texels, opacity)
     for channel, level in zip(albedo.reshape(-1, 3).T, np.asarray(colour, np.float32), strict=True):
         bare = channel[texels]

@@ -53,7 +53,7 @@ def sample_lines(rng: Generator, *, age: float, masculinity: float) -> Lines:
     Returns:
         Plain numbers.
     """
-    worn = (2.1 - 0.4 * masculinity) * max(0.0, age - 0.08) ** 1.1
+    worn = (2.8 - 1.1 * masculinity) * max(0.0, age - 0.08) ** 1.1
 
     def depth(share: float) -> float:
         return float(min(1.7, share * worn * np.exp(rng.normal(0.0, 0.45))))

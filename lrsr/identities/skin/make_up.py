@@ -84,7 +84,7 @@ def sample_make_up(rng: Generator, *, masculinity: float, age: float) -> MakeUp:
         "lipstick": opacity(0.5, 0.2, 0.5, 0.15),
         "lipstick_colour": [float(channel) for channel in np.asarray(shade) * tint],
         "eyeliner": opacity(0.95, 0.45, 0.95, 0.35),
-        "eyeshadow": opacity(0.60, 0.15, 0.55, 0.5),
+        "eyeshadow": opacity(0.40, 0.10, 0.35, 0.5),
         "eyeshadow_colour": list(_EYESHADOWS[rng.integers(len(_EYESHADOWS))]),
         "blush": opacity(0.40, 0.08, 0.24, 0.5),
     }

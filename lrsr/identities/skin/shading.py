@@ -22,14 +22,14 @@ from lrsr.identities.skin.layout import Layout
 from lrsr.identities.skin.regions import blob
 
 _PERCENT = {
-    53: (0, 0, 0, 0, 0, 0, 0, 0),
-    41: (10, 7, 3, -3, -10, -10, -5, -4),
-    29: (12, 13, 20, 15, 2, -12, -16, -16),
-    23: (15, 32, 40, 32, 0, -12, -22, -16),
-    17: (12, 27, 35, 25, 5, -1, -24, -16),
-    11: (5, -5, -23, -34, -12, -29, -21, -15),
-    5: (-14, -32, -30, -41, -53, -57, -30, -11),
-    -1: (-2, -28, -39, -74, -70, -78, -54, -10),
+    53: (-10, -9, -8, -3, 0, 0, 0, 0),
+    41: (-6, -9, -9, -9, -8, -6, 0, -2),
+    29: (-11, -15, -9, 2, 5, -5, -7, -11),
+    23: (-8, 1, 10, 28, 5, -7, -15, -12),
+    17: (0, 20, 35, 30, 8, 3, -20, -14),
+    11: (12, 4, -20, -34, -12, -29, -21, -15),
+    5: (0, -18, -26, -41, -53, -57, -30, -11),
+    -1: (4, -18, -36, -74, -70, -78, -54, -10),
     -7: (10, -25, -31, -12, -8, -15, -28, -5),
     -13: (9, -28, -14, -9, -17, -18, 4, -3),
     -25: (12, -6, 7, -3, -2, 5, 0, -6),
@@ -99,6 +99,8 @@ _SHADES = {
     "chin": _Shade(((0.0, -91.0), (20.0, -91.0)), 6.5, 0.13),
 }
 
+_BEARDLESS = -1.15
+"""Of everybody's shading around the mouth, what a woman has less."""
 _ASYMMETRY = 0.35
 """Of the spread between people, what a person's two sides differ by."""
 _MIDLINE_MM = 6.0
@@ -123,32 +125,45 @@ class Shading(TypedDict):
 
     ``depth`` is the share of everybody's, ``left`` (the side of negative x) and ``right`` what is
     added to the logarithm of each place's luminance, ``unevenness`` the strength of what has no
-    name.
+    name. ``below_nose`` is how much more (below 0: less) of everybody's a person has around the
+    mouth.
     """
 
     depth: float
+    below_nose: float
     unevenness: float
     left: dict[str, float]
     right: dict[str, float]
 
 
-def sample_shading(rng: Generator, *, age: float) -> Shading:
+def sample_shading(rng: Generator, *, masculinity: float, age: float) -> Shading:
     """Draw a person's shading.
 
     Args:
         rng: Source of randomness.
+        masculinity: 0 (female) to 1 (male): most of those photographed were men, whose beards
+            darken lips and chins even where they are shaven.
         age: 0 (25 years) to 1 (old): folds and sockets are deeper.
 
     Returns:
         Plain numbers.
     """
-    depth, unevenness = rng.normal(0.9 + 0.3 * age, 0.15), np.exp(rng.normal(0.0, 0.25))
+    depth, unevenness = (
+        rng.normal(0.65 + 0.3 * masculinity + 0.3 * age, 0.15),
+        np.exp(rng.normal(0.0, 0.25)),
+    )
     left, right = dict[str, float](), dict[str, float]()
     for name, shade in _SHADES.items():
         strength, difference = shade.sd * rng.standard_normal(2)
         left[name] = float(shade.mean + strength - _ASYMMETRY * difference)
         right[name] = float(shade.mean + strength + _ASYMMETRY * difference)
-    return {"depth": float(depth), "unevenness": float(unevenness), "left": left, "right": right}
+    return {
+        "depth": float(depth),
+        "below_nose": _BEARDLESS * (1.0 - masculinity) * (1.0 - 0.5 * age),
+        "unevenness": float(unevenness),
+        "left": left,
+        "right": right,
+    }
 
 
 class ShadingPainter:
@@ -167,6 +182,9 @@ class ShadingPainter:
         )
         self._cells = _cells(position)
         self._mean = _draw_mean(position) * layout.front
+        bearded = smoothstep(-49.0, -57.0, position[..., 1])
+        bearded *= 0.35 + 0.65 * smoothstep(30.0, 16.0, np.abs(position[..., 0]))
+        self._below_nose = self._mean * bearded
         folded = sum(blob(position, centre, size) for centre, size in _FOLDED)
         self._uneven = layout.front * np.float32(1 + _MORE * np.minimum(folded, 1.0))
 
@@ -181,6 +199,7 @@ class ShadingPainter:
         layout = self._layout
         total = np.float32(shading["unevenness"]) * self._unevenness(rng) * self._uneven
         total += np.float32(shading["depth"]) * self._mean
+        total += np.float32(shading["depth"] * shading["below_nose"]) * self._below_nose
         for name, weight in self._maps.items():
             left, right = shading["left"][name], shading["right"][name]
             total[weight.box] += weight.values * (

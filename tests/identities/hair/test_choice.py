@@ -100,6 +100,13 @@ def test_african_hair_is_curlier() -> None:
     assert np.median([h["curl_mm"] for h in african]) > np.median([h["curl_mm"] for h in european])
 
 
+@pytest.mark.parametrize("ancestry", [AFRICAN, EUROPEAN])
+def test_womens_curls_are_long_and_mens_short(ancestry: dict[str, float]) -> None:
+    women, men = draw(1500, 0.0, 0.4, ancestry), draw(400, 1.0, 0.4, ancestry)
+    assert share(women, {"long_curly"}) > 3 * share(women, {"curly"})
+    assert share(men, {"curly"}) > 3 * share(men, {"long_curly"})
+
+
 def test_hairlines_recede_with_age() -> None:
     old, young = draw(200, 1.0, 1.0, EUROPEAN), draw(200, 1.0, 0.0, EUROPEAN)
     assert np.mean([h["recession_deg"] for h in old]) > np.mean([h["recession_deg"] for h in young])

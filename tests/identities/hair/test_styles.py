@@ -11,8 +11,8 @@ from lrsr.identities.hair.styles import (
 )
 
 
-def test_there_are_eighteen_styles() -> None:
-    assert len(STYLES) == len(set(STYLES)) == 18
+def test_there_are_nineteen_styles() -> None:
+    assert len(STYLES) == len(set(STYLES)) == 19
 
 
 @pytest.mark.parametrize("style", STYLES)

@@ -44,7 +44,20 @@ def test_fields_change_the_measures_that_their_names_promise(
 @pytest.fixture(scope="module")
 def drawn() -> NDArray[np.float64]:
     rng = np.random.default_rng(3)
-    return np.array([draw_measures(rng) for _ in range(4000)])
+    average = [np.mean(measure.means_mm) for measure in _MEASURES]
+    lower_face, *parts = (
+        NAMES.index(f"height of the {part}") for part in ("lower face", "upper lip", "chin")
+    )
+    average[lower_face] = sum(average[part] for part in parts)
+    return np.array([draw_measures(rng, 0.5) for _ in range(4000)]) - average
+
+
+def test_a_sex_moves_means_and_nothing_else() -> None:
+    woman, man = (draw_measures(np.random.default_rng(3), masculinity) for masculinity in (0, 1))
+    canthi, nose = NAMES.index("inner canthi"), NAMES.index("width of the nose")
+    women_mm, men_mm = _MEASURES[canthi].means_mm
+    assert man[canthi] - woman[canthi] == pytest.approx(men_mm - women_mm)
+    assert man[nose] == woman[nose]
 
 
 def test_measures_spread_as_those_of_adults_do(drawn: NDArray[np.float64]) -> None:

@@ -44,13 +44,13 @@ def test_a_plain_brow_has_420_strands() -> None:
 @pytest.mark.parametrize("masculinity", [0.0, 0.5, 1.0])
 def test_samples_keep_to_the_recipes_ranges(masculinity: float) -> None:
     rng = np.random.default_rng(1)
-    drawn = [eyebrows.sample_brows(rng, masculinity=masculinity) for _ in range(300)]
+    drawn = [eyebrows.sample_brows(rng, masculinity=masculinity, age=0.3) for _ in range(300)]
     limits = {
         "start_mm": (9.0, 22.0),
         "end_mm": (42.0, 60.0),
         "arch_mm": (0.3, 6.3),
         "peak": (0.44, 0.82),
-        "thickness_mm": (3.0, 10.0),
+        "thickness_mm": (2.6, 10.0),
         "bridge": (0, 1),
     }
     for name, (low, high) in limits.items():
@@ -62,7 +62,7 @@ def test_samples_keep_to_the_recipes_ranges(masculinity: float) -> None:
 
 def _sample(masculinity: float, count: int = 400) -> list[Brows]:
     rng = np.random.default_rng(2)
-    return [eyebrows.sample_brows(rng, masculinity=masculinity) for _ in range(count)]
+    return [eyebrows.sample_brows(rng, masculinity=masculinity, age=0.3) for _ in range(count)]
 
 
 def test_womens_brows_are_thinner_higher_and_more_arched_than_mens() -> None:
@@ -74,6 +74,18 @@ def test_womens_brows_are_thinner_higher_and_more_arched_than_mens() -> None:
     assert mean(women, "thickness_mm") < 0.75 * mean(men, "thickness_mm")
     assert mean(women, "height_mm") > mean(men, "height_mm") + 1.5
     assert mean(women, "arch_mm") > mean(men, "arch_mm") + 0.8
+
+
+def test_womens_brows_thin_out_with_age_and_mens_do_not() -> None:
+    def density(masculinity: float, age: float) -> float:
+        draws = (np.random.default_rng(seed) for seed in range(200))
+        brows = [
+            eyebrows.sample_brows(rng, masculinity=masculinity, age=age)["density"] for rng in draws
+        ]
+        return float(np.mean(brows))
+
+    assert density(0.1, 1.0) < 0.8 * density(0.1, 0.0)
+    assert density(1.0, 1.0) == density(1.0, 0.0)
 
 
 @pytest.mark.parametrize("masculinity", [0.02, 0.25, 0.75, 0.98])
@@ -120,7 +132,7 @@ def test_denser_and_thicker_brows_cover_more() -> None:
 
 def test_no_tail_ends_far_above_the_head_and_few_brows_meet() -> None:
     rng = np.random.default_rng(3)
-    drawn = [eyebrows.sample_brows(rng, masculinity=m) for m in np.tile([0.1, 0.9], 500)]
+    drawn = [eyebrows.sample_brows(rng, masculinity=m, age=0.3) for m in np.tile([0.1, 0.9], 500)]
     ends = np.array([_brow_line(brows, np.array([0.0, 1.0]))[:, 1] for brows in drawn])
     assert (ends[:, 1] - ends[:, 0] < 2.0).all()
     assert 0.0 < np.mean([brows["bridge"] > 0 for brows in drawn]) < 0.03

@@ -69,7 +69,7 @@ def _bearded(seed: int = 0, hair: HairColour = BLACK, **changes: Any) -> tuple[F
 
 
 def _browed(seed: int = 0, hair: HairColour = BLACK) -> FloatMap:
-    brows: Brows = sample_brows(np.random.default_rng(0), masculinity=0.9)
+    brows: Brows = sample_brows(np.random.default_rng(0), masculinity=0.9, age=0.3)
     albedo = _skin()
     _painter().paint_brows(albedo, brows, hair, np.random.default_rng(seed))
     return albedo
