@@ -23,14 +23,14 @@ _WEIGHTS: dict[str, tuple[float, float]] = {
     "curly": (1.1, 0.06),
     "long_curly": (0.04, 0.45),
     "afro": (0.25, 0.2),
-    "pixie": (0.25, 0.3),
+    "pixie": (0.25, 0.2),
     "curtain": (0.35, 0.2),
     "bob": (0.03, 1.6),
     "long_straight": (0.12, 1.9),
     "long_wavy": (0.12, 2.2),
     "fringe": (0.02, 1.0),
     "tucked": (0.15, 0.8),
-    "pulled_back": (0.12, 0.4),
+    "pulled_back": (0.12, 0.25),
 }
 
 _HAIRLINE_DEG = (-1.5, 1.5)

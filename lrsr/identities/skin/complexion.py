@@ -13,7 +13,7 @@ _BLOOD_LIMITS = (0.008, 0.062)
 _MELANIN_MEANS = (0.21, 0.030, 0.0080)
 """Of African, Asian and European ancestry, set so that the typology angles of cheeks have medians
 of about -20, 28 and 41 degrees (faces are some 10 degrees darker than arms are)."""
-_SEX = 0.22  # of the logarithm: 2 to 4 percent of reflectance between the sexes
+_SEX = 0.15  # of the logarithm: 2 to 4 percent of reflectance between the sexes
 _BLOOD_MEAN = 0.022
 _MOST_FLUSH = 0.6  # a cheek of more is a clown's
 

@@ -182,8 +182,8 @@ class ShadingPainter:
         )
         self._cells = _cells(position)
         self._mean = _draw_mean(position) * layout.front
-        bearded = smoothstep(-49.0, -57.0, position[..., 1])
-        bearded *= 0.35 + 0.65 * smoothstep(30.0, 16.0, np.abs(position[..., 0]))
+        bearded = smoothstep(-45.0, -54.0, position[..., 1])
+        bearded *= 0.6 + 0.4 * smoothstep(30.0, 16.0, np.abs(position[..., 0]))
         self._below_nose = self._mean * bearded
         folded = sum(blob(position, centre, size) for centre, size in _FOLDED)
         self._uneven = layout.front * np.float32(1 + _MORE * np.minimum(folded, 1.0))

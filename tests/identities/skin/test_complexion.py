@@ -40,7 +40,7 @@ def test_women_are_lighter_than_men_of_the_same_chance() -> None:
         )
         for degree in (0.0, 1.0)
     )
-    assert woman["melanin"] == pytest.approx(man["melanin"] * np.exp(-0.44))
+    assert woman["melanin"] == pytest.approx(man["melanin"] * np.exp(-0.30))
     assert {**woman, "melanin": 0.0} == {**man, "melanin": 0.0}
 
 
