@@ -79,13 +79,12 @@ def check_face(skin: Points, eyes: Eyes, sex: Sex, iris_rad: float) -> list[str]
         Names of the tests that it fails, with their units: of the first kind that it fails at all,
         since most of those who fail do so by what is measured in no time.
     """
-    kinds = (
-        lambda: _check_proportions(skin, eyes, sex),
-        lambda: _outside(_measure_points(skin), _LIMITS),
-        lambda: _outside(_measure_eyes(skin, eyes, iris_rad), _LIMITS),
-        lambda: _outside(_measure_folds(skin), _LIMITS),
+    return (
+        _check_proportions(skin, eyes, sex)
+        or _outside(_measure_points(skin), _LIMITS)
+        or _outside(_measure_eyes(skin, eyes, iris_rad), _LIMITS)
+        or _outside(_measure_folds(skin), _LIMITS)
     )
-    return next(filter(None, (failed() for failed in kinds)), [])
 
 
 def check_hair(hair: Mapping[str, Any], skin: NDArray[np.float32], seed: int) -> list[str]:
