@@ -47,7 +47,8 @@ class _Measure(NamedTuple):
         low: The other point.
         sd_mm: Standard deviation among people of one sex and ancestry.
         of: What it is part of.
-        means_mm: What the averages of women and of men lack to those of people (Farkas 1994).
+        means_mm: What the averages of women and of men lack to those of people (Farkas 1994);
+            women's jaws and chins by eye, beyond that.
     """
 
     name: str

@@ -46,7 +46,7 @@ _PERCENT = {
 """Everybody's shading. Key: y on the template, mm. Values: every 8 mm from the midline outwards,
 the logarithm of what luminance is multiplied by, times 100: mean of the albedos of 26 photographs
 of 13 people minus that of ours, both sides averaged, less what brows and, at -46 and -49, nostrils
-do (docs/people.md)."""
+do; forehead and root of the nose by pictures of eight photographs beside ours (docs/people.md)."""
 _STEP_MM = 8.0
 
 
@@ -100,7 +100,8 @@ _SHADES = {
 }
 
 _BEARDLESS = -1.15
-"""Of everybody's shading around the mouth, what a woman has less."""
+"""Of everybody's shading around the mouth, what a young woman has less: all of it, as women are a
+little lighter there than the mesh says."""
 _ASYMMETRY = 0.35
 """Of the spread between people, what a person's two sides differ by."""
 _MIDLINE_MM = 6.0
@@ -239,7 +240,7 @@ def _cells(position: FloatMap) -> FloatMap:
 
 
 def _draw_mean(position: FloatMap) -> FloatMap:
-    """Interpolate :data:`_PERCENT`, which fades to nothing at its outer border."""
+    """Interpolate :data:`_PERCENT`: above its first row that goes on, at its sides it fades out."""
     half = np.pad(np.array(list(_PERCENT.values()), dtype=np.float32) / 100, ((0, 0), (0, 1)))
     sheet = np.concatenate([half[:, :0:-1], half], axis=1)
     column = position[..., 0] / np.float32(_STEP_MM) + np.float32(half.shape[1] - 1)
