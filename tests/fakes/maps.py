@@ -1,6 +1,7 @@
 """Faces without a renderer whose every point is known: paint that follows a real head's outline."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
@@ -10,8 +11,10 @@ from lightning.pytorch import LightningDataModule
 from torch.utils.data import DataLoader, TensorDataset
 
 from lrsr.identities.face.expression import NEUTRAL
+from lrsr.identities.face.template import template
 from lrsr.identities.head import Head
 from lrsr.identities.person import Person
+from lrsr.identities.shape.basis import load_basis
 from lrsr.pictures.recipe import Recipe
 from lrsr.rendering.radiance import Radiance
 from lrsr.rendering.renderer import viewpoint_of
@@ -30,6 +33,15 @@ from lrsr.training.position_maps import resting_map
 def somebody() -> Head:
     """Return one person of the test split."""
     return Person("test", 3).head(NEUTRAL, 64)
+
+
+def average_adult() -> Head:
+    """Return a head of the template's shape, which no recipe changes."""
+    head, average = somebody(), template()
+    skin = average.skin.astype(np.float32)
+    landmarks = np.concatenate([average.eyes.pupils, skin[load_basis().surface.landmarks]])
+    parts = (replace(head.parts[0], vertices=skin), *head.parts[1:])
+    return replace(head, parts=parts, pupils=average.eyes.pupils, landmarks=landmarks)
 
 
 class DottedMaker:

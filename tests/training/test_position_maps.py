@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from fakes.maps import DottedMaker, somebody
+from fakes.maps import DottedMaker, average_adult, somebody
 from numpy.typing import NDArray
 
 from lrsr.camera import Camera
@@ -56,25 +56,19 @@ def at(drawn: NDArray[np.float64], uv: NDArray[np.floating]) -> NDArray[np.float
 
 
 @pytest.mark.parametrize(
-    ("pose", "corner_px"),
-    # Corners of the mouth lie beside its hole in the layout. Of eight people they are off by 0.9 to
-    # 2.7 px, and by up to 4.9 where the head is turned; a texel is about 2.
-    [(FRONTAL, 3.0), (Pose("turned", 45, 10, -8), 5.0)],
-    ids=["frontal", "turned"],
+    "pose", [FRONTAL, Pose("turned", 45, 10, -8)], ids=lambda pose: str(pose.name)
 )
-def test_a_map_says_where_nose_and_mouth_are(
-    pose: Pose, corner_px: float, cache: RenderCache
-) -> None:
+def test_a_map_says_where_nose_and_mouth_are(pose: Pose, cache: RenderCache) -> None:
     recipe = lessons(cache).recipes([Person("train", 0)])[0]
     recipe = replace(recipe, scene=replace(recipe.scene, pose=pose))
-    head, crop = somebody(), Crop((60.0, 50.0), 90.0, 0.3, 112)
+    head, crop = average_adult(), Crop((60.0, 50.0), 90.0, 0.3, 112)
     drawn = _draw_map(head, recipe, crop)
     true = DottedMaker().render(head, recipe).landmarks_px.numpy()[2:]
     surface = load_basis().surface
     places = at(drawn, surface.uv[surface.landmarks])[:, :2]
     off = np.linalg.norm(crop.back(places) - true, axis=1)
-    assert off[0] < 1
-    assert off[1:].max() < corner_px
+    assert off[0] < 1  # px, a texel being about 2
+    assert off.max() < 3  # corners of the mouth lie beside its hole in the layout
 
 
 def test_the_nose_is_nearer_than_the_pupils_by_as_much_as_it_protrudes(cache: RenderCache) -> None:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from lrsr.identities.face.lids import clear_lids
 from lrsr.identities.face.template import template
 from lrsr.identities.gate import plausibility
-from lrsr.identities.gate.anthropometry import Sex
+from lrsr.identities.gate.anthropometry import Sex, nose_depth_mm
 from lrsr.identities.gate.plausibility import _outside, check_face, check_hair
 from lrsr.identities.hair.choice import colour_parameters
 from lrsr.identities.hair.styles import style_parameters
@@ -130,6 +130,14 @@ def test_the_average_adult_passes_as_woman_and_as_man() -> None:
 def test_a_monster_fails_for_what_is_wrong_with_it(monster: str) -> None:
     make, reason = MONSTERS[monster]
     assert reason in judged(make())
+
+
+def test_who_has_other_proportions_is_not_looked_at_further() -> None:
+    points = pushed(NOSE, (0, 0, 25), 8)
+    assert nose_depth_mm(points) > 37.0
+    failed = judged(points)
+    assert failed
+    assert all(name.startswith("proportion") for name in failed)
 
 
 def test_a_slight_change_is_no_monster() -> None:
