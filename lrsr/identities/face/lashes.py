@@ -39,7 +39,7 @@ def sample_lashes(rng: Generator, *, masculinity: float) -> Lashes:
     m = float(masculinity)
     return {
         "length_mm": float(np.clip(rng.normal(9.2 - 3.0 * m, 0.9), 4.0, 11.5)),
-        "width_mm": float(np.clip(rng.normal(0.21 - 0.10 * m, 0.03), 0.06, 0.28)),
+        "width_mm": float(np.clip(rng.normal(0.27 - 0.17 * m, 0.03), 0.06, 0.34)),
         "curl": float(rng.uniform(0.55, 1.0)),
         "lower": float(rng.uniform(0.35, 0.55)),
     }
