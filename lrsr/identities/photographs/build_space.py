@@ -2,8 +2,7 @@
 
 People are drawn as everybody is, their resting expressions left out. The principal components of
 what the front of their faces does, rigid motion aside, become directions of the shape space. Run it
-again when shapes change: the asset is of recipe 9, from whose shapes those of recipe 11 differ by
-what the gate refuses and by the means of both sexes, up to 4 mm.
+again when shapes change, and after it ``lrsr calibrate-reconstructor`` of the network that ships.
 """
 
 import json
