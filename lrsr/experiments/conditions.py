@@ -87,13 +87,14 @@ class Condition:
     @property
     def setting(self) -> str:
         """What sets it apart in words, e.g. "pose left, lighting above"; empty: its number."""
-        return ", ".join(f"{axis.replace('_', ' ')} {name}" for axis, name in self.varied.items())
+        return self._varied_words() or ("photographs" if self.scene is None else "")
 
     @property
     def title(self) -> str:
         """What a report calls it."""
+        name = "Photographs" if self.scene is None else f"Option {self.option}"
         size = "" if self.ipd_px is None else f", IPD {self.ipd_px:g} px"
-        return f"Option {self.option}{size}" + (f": {told}" if (told := self._told()) else "")
+        return f"{name}{size}" + (f": {told}" if (told := self._told()) else "")
 
     def _told(self) -> str:
         known = {"pose": self.pose, "light": self.lighting, "compression": self.compression}
@@ -101,7 +102,10 @@ class Condition:
         if self.scene is not None:
             worn = (self.scene.expression.name, self.scene.another_day.name)
             told += [name for name in worn if name not in ("neutral", "none")]
-        return self.setting or ", ".join(told)
+        return self._varied_words() or ", ".join(told)
+
+    def _varied_words(self) -> str:
+        return ", ".join(f"{axis.replace('_', ' ')} {name}" for axis, name in self.varied.items())
 
     def describe(self) -> dict[str, Any]:
         """Return all of it in plain values."""

@@ -52,9 +52,6 @@ _UNKNOWN = (
     "only who is most alike."
 )
 
-_SETTING = "photographs"
-"""What a report calls the condition."""
-
 logger = logging.getLogger(__name__)
 
 
@@ -274,9 +271,9 @@ class Own(Design):
                 landmarks,
                 {m: one.seen.errors if landmarks == "own" else () for m, one in members.items()},
             )
-            rows += [{"recogniser": recogniser, **row, "setting": _SETTING} for row in told]
-            tests += [{"recogniser": recogniser, **one, "setting": _SETTING} for one in compared]
-            about = {m: {**one.about, "setting": _SETTING} for m, one in members.items()}
+            rows += [{"recogniser": recogniser, **row} for row in told]
+            tests += [{"recogniser": recogniser, **one} for one in compared]
+            about = {m: {**one.about, "setting": condition.setting} for m, one in members.items()}
             more = look_further(self.asked, about, systems, summaries, people)
             further.append(more)
             curves = {members[name].label: one.curve for name, one in summaries.items()}

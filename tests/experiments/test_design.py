@@ -102,8 +102,8 @@ def test_conditions_are_sizes_times_options() -> None:
 @pytest.mark.parametrize(
     ("poses", "title"),
     [
-        (("left", "left"), "Option 1, IPD 8 px: pose left, light below, compression heavy"),
-        (("left", "up"), "Option 1, IPD 8 px: light below, compression heavy"),
+        (("left", "left"), "Photographs, IPD 8 px: pose left, light below, compression heavy"),
+        (("left", "up"), "Photographs, IPD 8 px: light below, compression heavy"),
     ],
 )
 def test_photographs_are_taken_as_their_manifest_says(
@@ -116,6 +116,7 @@ def test_photographs_are_taken_as_their_manifest_says(
     write_manifest(tmp_path, rows)
     (condition,) = Design.from_config(composed(f"probes.folder={tmp_path}")).conditions
     assert condition.title == title
+    assert condition.setting == "photographs"
 
 
 @pytest.mark.parametrize(

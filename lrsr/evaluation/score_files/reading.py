@@ -406,8 +406,8 @@ def _number(text: str, name: str) -> float:
     Raises:
         ValueError: The text is none.
     """
-    try:
-        return float(text) if text.strip() else math.nan
+    try:  # Python reads 1_000 as a thousand, which no table means
+        return float(text.replace("_", " ")) if text.strip() else math.nan
     except ValueError:
         hint = ": save the table with decimal points" if "," in text else ""
         raise ValueError(f"{name} {text[:40]!r} is no number such as 0.25{hint}") from None

@@ -141,6 +141,7 @@ def test_qualities_are_those_of_the_probes(tmp_path: Path) -> None:
         ("probe,gallery,score\na,b,1\n", None, r"line 1: who is who\? Add a column mated"),
         ("probe,gallery,mated,score\na,b,2,1\n", None, r"line 2: mated '2': wanted 1 or 0"),
         ("probe,gallery,mated,score\na,b,1,x\n", None, r"line 2: score 'x' is no number"),
+        ("probe,gallery,mated,score\na,b,1,1_0\n", None, r"line 2: score '1_0' is no number"),
         ("probe,gallery,mated,score\na,b,1,inf\n", None, r"line 2: score inf is infinite"),
         ("probe,gallery,mated,score\na,b,1\n", None, r"line 2: 3 cells, wanted 4"),
         ("probe,gallery,mated,score\n", None, r"holds no scores below its header"),
