@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from lrsr.calibration.landmark_views import View, plan_views, take_views
 from lrsr.configuration import number, require, whole_number
@@ -47,6 +48,8 @@ _COMPONENTS = 50
 _TURNED_DEG, _TURNED_WEIGHT = 20.0, 0.5
 """Views of more yaw count for less: half of their points are on the far side."""
 _LEAST_PEOPLE, _LEAST_POINTS = 2, 20
+_MIRROR = np.array([-1.0, 1.0, 1.0])
+"""Of x, y, z."""
 
 logger = logging.getLogger(__name__)
 
@@ -230,17 +233,24 @@ def _measure(
         InputError: Fewer than 20 points are within that error of a vertex.
     """
     chosen = _candidates()
-    found, projected, poses = [], [], []
+    listed: tuple[list[_Points], list[_Points], list[_Points]] = [], [], []
     for view in views:
         points = landmarker(np.ascontiguousarray(view.image.transpose(1, 2, 0)), view.landmarks_px)
         vertices = view.head.parts[0].vertices[chosen].astype(np.float64)
         up = np.array([1.0, -1.0]) / view.px_per_mm
-        found.append(points.points_px * up)
-        projected.append(view.project(vertices) * up)
-        poses.append(view.scene.pose)
-    turned = np.array([abs(pose.yaw_deg) > _TURNED_DEG for pose in poses])
-    weights = np.where(turned, _TURNED_WEIGHT, 1.0)
-    nearest = _nearest_vertices(np.array(found), np.array(projected), weights)
+        one = points.points_px * up, view.project(vertices) * up, view.scene.pose.rotation()
+        for values, value in zip(listed, one, strict=True):
+            values.append(value)
+    found, projected, turns = map(np.array, listed)
+    mirror = landmarker.contract.mirrored()
+    if len(mirror):  # the network finds the same in a mirror, so half of what differs is chance
+        twins = _mirrored_vertices(template().skin[chosen])
+        found = np.concatenate([found, found[:, mirror] * _MIRROR[:2]])
+        projected = np.concatenate([projected, projected[:, twins] * _MIRROR[:2]])
+        turns = np.concatenate([turns, _MIRROR[:, None] * turns * _MIRROR])
+    yaw_deg = np.degrees(np.arctan2(turns[:, 0, 2], turns[:, 2, 2]))
+    weights = np.where(np.abs(yaw_deg) > _TURNED_DEG, _TURNED_WEIGHT, 1.0)
+    nearest = _nearest_vertices(found, projected, weights)
     squares = [
         ((points - vertices[nearest]) ** 2).sum(axis=1)
         for points, vertices in zip(found, projected, strict=True)
@@ -255,8 +265,8 @@ def _measure(
         )
     nearest = nearest[kept]
     errors = [
-        (points[kept] - vertices[nearest]) @ tip_of(pose.rotation())
-        for points, vertices, pose in zip(found, projected, poses, strict=True)
+        (points[kept] - vertices[nearest]) @ tip_of(turn)
+        for points, vertices, turn in zip(found, projected, turns, strict=True)
     ]
     noise = _describe_noise(np.array(errors), min(_COMPONENTS, len(errors) - 1))
     network = landmarker.contract.sha256
@@ -264,9 +274,22 @@ def _measure(
         "points": len(off),
         "points_kept": len(kept),
         "error_mm": float(np.median(off[kept])),
-        "pictures": len(errors),
+        "pictures": len(listed[0]),
     }
     return Correspondence(kept, chosen[nearest], *noise, network=network), figures
+
+
+def _mirrored_vertices(places: _Points) -> NDArray[np.int64]:
+    """Return which vertex each one is in a mirror.
+
+    Args:
+        places: ``(V, 3)`` of a symmetric head.
+
+    Example:
+        >>> _mirrored_vertices(np.array([[-2.0, 1, 0], [0, 0, 0], [2, 1, 0]]))
+        array([2, 1, 0])
+    """
+    return np.asarray(cKDTree(places).query(places * _MIRROR)[1])
 
 
 def _kept(off: _Points, places: _Points, most_error_mm: float, most: int) -> NDArray[np.int64]:

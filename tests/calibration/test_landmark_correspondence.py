@@ -2,7 +2,9 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import cv2
 import numpy as np
@@ -17,6 +19,7 @@ from lrsr.calibration.landmark_correspondence import (
     _candidates,
     _describe_noise,
     _measure,
+    _mirrored_vertices,
     _nearest_vertices,
     _spread_out,
 )
@@ -26,7 +29,7 @@ from lrsr.identities.face.expression import NEUTRAL
 from lrsr.identities.face.template import template
 from lrsr.identities.person import Person
 from lrsr.identities.photographs.correspondence import Correspondence
-from lrsr.identities.photographs.landmarker import Landmarker
+from lrsr.identities.photographs.landmarker import Landmarker, Landmarks
 from lrsr.identities.photographs.reconstructor import Reconstructor
 from lrsr.pictures.cache import RenderCache
 from lrsr.presets import preset
@@ -146,6 +149,32 @@ def test_calibration_finds_the_vertices_that_were_painted(
     assert np.abs(found.bias_mm).max() < 1
     assert (figures["points"], figures["points_kept"], figures["pictures"]) == (28, 24, 12)
     assert figures["error_mm"] < 1
+
+
+def test_both_sides_are_calibrated_alike_where_a_mirror_is_known(
+    painted: list[View], vertices: NDArray[np.int64]
+) -> None:
+    chosen = _candidates()
+    twin = dict(zip(chosen, chosen[_mirrored_vertices(template().skin[chosen])], strict=True))
+    left = np.array([one for one in vertices if twin[one] != one])
+    both = np.concatenate([left, [twin[one] for one in left]])
+    sides = np.arange(len(both)).reshape(2, -1)
+    contract = SimpleNamespace(mirrored=lambda: sides[::-1].ravel(), sha256="0" * 64)
+    views = iter(painted)
+
+    def find(*_: object) -> Landmarks:
+        view = next(views)
+        points = view.project(view.head.parts[0].vertices[both].astype(np.float64))
+        points[sides[0], 1] += 2.0 * view.px_per_mm  # of one side alone, which is chance
+        return Landmarks(points, None)
+
+    network: Any = Mock(side_effect=find, contract=contract)
+    found, _ = _measure(painted, network, 8.0, 2000)
+    assert found.points.tolist() == sides.ravel().tolist()
+    places = template().skin[found.vertices]
+    np.testing.assert_allclose(places[sides[0]] * [-1, 1, 1], places[sides[1]], atol=1e-6)
+    one, other = found.bias_mm[sides]
+    np.testing.assert_allclose(one * [-1, 1], other, atol=1e-9)
 
 
 def test_fewer_points_are_kept_where_fewer_are_wanted(

@@ -83,8 +83,8 @@ def test_what_render_made_eval_does_not_make_again(capsys: pytest.CaptureFixture
         assert main(["eval", *settings, *words]) == 0
         rows.append(json.loads((last_line(capsys) / "results.json").read_text())["rows"])
     assert {path: path.stat().st_mtime_ns for path in cache.rglob("*.safetensors")} == made
-    unknown = {"camera": "", "skin": ""}  # of photographs
-    assert [row | unknown for row in rows[0]] == [row | {"option": 6} for row in rows[1]]
+    of_folder = {"option": 1, "setting": "photographs", "camera": "", "skin": ""}
+    assert rows[1] == [row | of_folder for row in rows[0]]
 
 
 def test_identities_says_who_the_people_of_eval_are(capsys: pytest.CaptureFixture[str]) -> None:

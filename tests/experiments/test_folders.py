@@ -103,9 +103,10 @@ def test_pictures_of_a_folder_give_the_rows_of_the_people_they_show(
     )
     assert not [*(tmp_path / "read" / "cache").rglob("*.safetensors")]
     assert 0.6 < rendered["rows"][0]["auc"] < 0.99  # hard enough to be a test
-    unknown = {"camera": "", "skin": ""}  # of photographs
-    assert read["rows"] == [row | unknown for row in rendered["rows"]]
-    assert read["comparisons"] == rendered["comparisons"]
+    named = {"setting": "photographs"}
+    unknown = {"camera": "", "skin": ""}
+    assert read["rows"] == [row | named | unknown for row in rendered["rows"]]
+    assert read["comparisons"] == [test | named for test in rendered["comparisons"]]
 
 
 def test_render_and_eval_share_the_cache(

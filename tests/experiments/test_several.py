@@ -239,7 +239,8 @@ def test_bursts_of_a_folder_give_the_rows_of_the_people_they_show(
         next(iter(Trial(one, cache, Engine(tone_model), maker, progress=False).outcomes())).rows
         for one in (DESIGN, read)
     ]
-    assert rows[1] == [row | {"camera": "", "skin": ""} for row in rows[0]]
+    of_folder = {"setting": "photographs", "camera": "", "skin": ""}
+    assert rows[1] == [row | of_folder for row in rows[0]]
 
 
 def test_the_best_frame_needs_a_detector() -> None:

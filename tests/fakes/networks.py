@@ -122,7 +122,7 @@ def write_colour_finder(
     onnx.save(helper.make_model(graph, opset_imports=[opset], ir_version=9), path)
     told = {"licence": "MIT", "source": "a test", "sha256": sha256_of(path)}
     seen: dict[str, object] = {"channels": "RGB", "size_px": size_px}
-    found: dict[str, object] = {"points": output, "mirror": list(range(len(colours) + 4))}
+    found: dict[str, object] = {"points": output}  # a mirror does not change colours
     if as_map:
         seen |= {"channels": "BGR", "layout": "NHWC", "mean": mean, "scale": scale}
         found = {"points": output, "shape": returned[1:], "unit_px": unit}
