@@ -86,7 +86,10 @@ class Condition:
 
     @property
     def setting(self) -> str:
-        """What sets it apart in words, e.g. "pose left, lighting above"; empty: its number."""
+        """What sets it apart in words, e.g. "pose left, lighting above"; empty: its number.
+
+        Photographs, of which nothing varies, are "photographs".
+        """
         return self._varied_words() or ("photographs" if self.scene is None else "")
 
     @property

@@ -78,14 +78,15 @@ def _stream(seed: int, name: str, attempt: int = 0) -> Generator:
     return np.random.default_rng(SeedSequence([seed, _STREAMS.index(name)], spawn_key=key))
 
 
-def _sample_masculinity(rng: Generator) -> float:
-    """Draw a woman (0.01 to 0.12) or a man (0.75 to 0.98), evenly.
+def _sample_masculinity(rng: Generator, population: Population) -> float:
+    """Draw a woman (0.01 to 0.12) or a man (0.75 to 0.98), evenly where both are in it.
 
     MakeHuman's women are less unlike its men than people are: nearer to the middle than this,
     a network that was trained on real faces takes them for men.
     """
     share = float(rng.beta(2.0, 1.2))
-    return 0.75 + 0.23 * share if rng.random() < 0.5 else 0.12 - 0.11 * share
+    male = population.male(bool(rng.random() < 0.5))
+    return 0.75 + 0.23 * share if male else 0.12 - 0.11 * share
 
 
 def sample_parameters(seed: int, *, population: Population = EVERYBODY) -> dict[str, Any]:
@@ -127,7 +128,7 @@ def _draw_person(seed: int, population: Population) -> tuple[dict[str, Any], Res
 def _draw_traits(seed: int, population: Population) -> dict[str, Any]:
     """Draw what is never drawn again: sex, age, ancestry, and all colours."""
     rng = _stream(seed, "person")
-    masculinity = population.masculinity(_sample_masculinity(rng))
+    masculinity = _sample_masculinity(rng, population)
     age = population.age(float(rng.beta(1.1, 1.5)))
     shares = population.shares(rng.dirichlet([0.25] * len(ANCESTRIES)))
     return {

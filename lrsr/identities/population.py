@@ -77,15 +77,9 @@ class Population:
         ]
         return "-".join(words)
 
-    def masculinity(self, drawn: float) -> float:
-        """Turn a draw from everybody into one of this sex: its mirror about 0.5 where need be.
-
-        Args:
-            drawn: 0 (female) to 1 (male).
-        """
-        if self.sex == "any" or (drawn >= 0.5) == (self.sex == "male"):
-            return drawn
-        return 1.0 - drawn
+    def male(self, drawn: bool) -> bool:
+        """Turn the sex that was drawn from everybody into one of this population."""
+        return drawn if self.sex == "any" else self.sex == "male"
 
     def age(self, drawn: float) -> float:
         """Turn a draw from all ages into one of this span, with the same order.

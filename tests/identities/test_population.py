@@ -45,7 +45,10 @@ def test_everybody_are_women_and_men_of_all_ages(
 @pytest.mark.parametrize("sex", ["female", "male"])
 def test_one_sex_is_all_there_is(sex: Any) -> None:
     only = Population(sex)
-    assert {sample_parameters(seed, population=only)["sex"] for seed in SEEDS} == {sex}
+    people = [sample_parameters(seed, population=only) for seed in SEEDS]
+    assert {person["sex"] for person in people} == {sex}
+    low, high = {"female": (0.01, 0.12), "male": (0.75, 0.98)}[sex]  # as among everybody
+    assert all(low <= person["masculinity"] <= high for person in people)
 
 
 def test_who_has_the_wanted_sex_stays_who_they_were() -> None:
