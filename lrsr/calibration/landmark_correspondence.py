@@ -49,7 +49,7 @@ _TURNED_DEG, _TURNED_WEIGHT = 20.0, 0.5
 """Views of more yaw count for less: half of their points are on the far side."""
 _LEAST_PEOPLE, _LEAST_POINTS = 2, 20
 _MIRROR = np.array([-1.0, 1.0, 1.0])
-"""Of x, y, z."""
+"""What x, y and z are multiplied by."""
 
 logger = logging.getLogger(__name__)
 
@@ -233,15 +233,15 @@ def _measure(
         InputError: Fewer than 20 points are within that error of a vertex.
     """
     chosen = _candidates()
-    listed: tuple[list[_Points], list[_Points], list[_Points]] = [], [], []
+    of_views: tuple[list[_Points], list[_Points], list[_Points]] = [], [], []
     for view in views:
         points = landmarker(np.ascontiguousarray(view.image.transpose(1, 2, 0)), view.landmarks_px)
         vertices = view.head.parts[0].vertices[chosen].astype(np.float64)
         up = np.array([1.0, -1.0]) / view.px_per_mm
         one = points.points_px * up, view.project(vertices) * up, view.scene.pose.rotation()
-        for values, value in zip(listed, one, strict=True):
+        for values, value in zip(of_views, one, strict=True):
             values.append(value)
-    found, projected, turns = map(np.array, listed)
+    found, projected, turns = map(np.array, of_views)
     mirror = landmarker.contract.mirrored()
     if len(mirror):  # the network finds the same in a mirror, so half of what differs is chance
         twins = _mirrored_vertices(template().skin[chosen])
@@ -274,7 +274,7 @@ def _measure(
         "points": len(off),
         "points_kept": len(kept),
         "error_mm": float(np.median(off[kept])),
-        "pictures": len(listed[0]),
+        "pictures": len(of_views[0]),
     }
     return Correspondence(kept, chosen[nearest], *noise, network=network), figures
 
