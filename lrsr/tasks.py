@@ -397,6 +397,7 @@ def run_train(config: "DictConfig") -> Path:
         module.try_patches(data.patches)  # nothing has been rendered by then
     resume = flag(config, "resume")
     steps = isinstance(module, Learner)
+    depends_on |= module.about() if steps else {}
     for key in () if steps else ("trainer", "callbacks", "logger"):
         wish = "null, as what has a closed form is learned at once"
         require(config[key] is None, key, config[key], wish)

@@ -38,7 +38,7 @@ _GRIDS = tuple((x, y) for y in range(BLOCK_PX) for x in range(BLOCK_PX))
 """Places of the first pixel within its block."""
 _SAMPLE = 64
 """Coefficients of each frequency that a grid is chosen by; the quality is found with all."""
-_AT_ONCE = 256
+_AT_ONCE = 1024
 """Coefficients that are compared with all steps at once: what a cache holds."""
 
 _Floats = NDArray[np.float64]
@@ -79,10 +79,10 @@ def estimate_jpeg(
         raise ImageContractError(f"srgb: got {tuple(srgb.shape)}, wanted H and W >= 16")
     clipped = ((srgb <= 0) | (srgb >= 1)).any(1).numpy()
     levels = luminance(srgb)[:, 0].double().mul(255).numpy() - 128
-    chances = [_likeliest(_coefficients(levels, clipped, grid), _SAMPLE)[1] for grid in grids]
+    _, chances = _likeliest([_coefficients(levels, clipped, grid) for grid in grids], _SAMPLE)
     grid = grids[int(np.argmax(chances))]
-    quality, evidence = _likeliest(_coefficients(levels, clipped, grid))
-    return JpegEstimate(quality, grid, evidence) if evidence > _EVIDENCE else None
+    (quality,), (evidence,) = _likeliest([_coefficients(levels, clipped, grid)])
+    return JpegEstimate(int(quality), grid, float(evidence)) if evidence > _EVIDENCE else None
 
 
 def _coefficients(levels: _Floats, clipped: NDArray[np.bool_], grid: tuple[int, int]) -> _Floats:
@@ -100,44 +100,68 @@ def _blocks(planes: NDArray[Any], x: int, y: int) -> NDArray[Any]:
     return np.asarray(blocks.reshape(-1, BLOCK_PX, BLOCK_PX))
 
 
-def _likeliest(coefficients: _Floats, most: int | None = None) -> tuple[int, float]:
-    """Return the best quality for coefficients ``(n, 8, 8)`` and its mean log-likelihood ratio.
+def _likeliest(
+    grids: Sequence[_Floats], most: int | None = None
+) -> tuple[NDArray[np.int64], _Floats]:
+    """Return each grid's best quality ``(G,)`` and its mean log-likelihood ratio ``(G,)``.
 
-    ``most``: of each frequency, that many at most are looked at.
+    Args:
+        grids: Of each, coefficients ``(n, 8, 8)``.
+        most: Of each frequency of a grid, that many at most are looked at.
     """
-    sizes = np.abs(coefficients).reshape(-1, BLOCK_PX**2)
+    sizes = [np.abs(coefficients).reshape(-1, BLOCK_PX**2).T for coefficients in grids]
+    told = [_telling(each, most) for each in sizes]
+    counts = np.array([each.sum(axis=1) for each in told])  # of each grid and frequency
+    seen = np.concatenate([size[tell] for size, tell in zip(sizes, told, strict=True)])
+    owner, frequency = (
+        index.repeat(counts.ravel()) for index in np.indices(counts.shape).reshape(2, -1)
+    )
+    order = frequency.argsort(kind="stable")
+    ends, counts = counts.sum(axis=0).cumsum(), counts.sum(axis=1)
+    total = np.zeros((len(grids), len(_STEPS)))
+    for part, (steps, which) in zip(np.split(order, ends[:-1]), _UNEQUAL_STEPS, strict=True):
+        total += _log_ratios(seen[part], owner[part], steps, len(grids))[:, which]
+    enough = counts >= _ENOUGH
+    evidence = np.where(enough, total.max(axis=1) / np.maximum(counts, 1), 0.0)
+    return np.where(enough, 1 + total.argmax(axis=1), 100), evidence
+
+
+def _telling(sizes: _Floats, most: int | None) -> NDArray[np.bool_]:
+    """Return which sizes ``(64, n)`` tell of the step: no zero, none that clipping has moved."""
     told = sizes > _LEAST
-    told[:, 0] = False  # sums of clipped pixels, and no zeros to compare with
-    if most is not None:
-        told &= told.cumsum(axis=0) <= most
-    count = int(told.sum())
-    if count < _ENOUGH:
-        return 100, 0.0
-    total = np.zeros(len(_STEPS))
-    for frequency, (steps, which) in enumerate(_UNEQUAL_STEPS):
-        seen = sizes[told[:, frequency], frequency]
-        if len(seen):
-            total += _log_ratios(seen, steps)[which]
-    best = int(np.argmax(total))
-    return 1 + best, float(total[best]) / count
+    told[0] = False  # sums of clipped pixels, and no zeros to compare with
+    return told if most is None else told & (told.cumsum(axis=1, dtype=np.int32) <= most)
 
 
-def _log_ratios(seen: _Floats, steps: _Floats) -> _Floats:
-    """Return for every step how much likelier it makes ``(n,)`` than a smooth density does.
+def _log_ratios(seen: _Floats, owner: NDArray[np.int64], steps: _Floats, grids: int) -> _Floats:
+    """Return for each grid and step how much likelier it makes what is seen than smoothness does.
 
     A coefficient that is not zero lies at a multiple of the step, the first or a later one, blurred
     by rounding; the smooth density, spread over a step, cancels. A step that is much larger than
     all of them explains nothing.
+
+    Args:
+        seen: ``(n,)`` coefficients of one frequency.
+        owner: ``(n,)``, rising: whose each is, 0 to ``grids`` - 1.
+        steps: ``(S,)``.
+        grids: How many there are.
+
+    Returns:
+        ``(grids, S)``.
     """
-    ratios = np.full(len(steps), len(seen) * math.log(_OUTLIERS))
-    near = steps <= 2 * seen.max() + 8
-    step, ratios[near] = steps[near, None].astype(np.float32), 0.0
+    each = np.bincount(owner, minlength=grids) * math.log(_OUTLIERS)
+    ratios = np.repeat(each[:, None], len(steps), axis=1)
+    near = steps <= 2 * seen.max(initial=0.0) + 8
+    step, summed = steps[near, None].astype(np.float32), np.zeros((grids, int(near.sum())))
     for start in range(0, len(seen), _AT_ONCE):
-        size = seen[start : start + _AT_ONCE].astype(np.float32)
-        times = size / step
+        part = slice(start, start + _AT_ONCE)
+        times = seen[part].astype(np.float32) / step
         miss = (times - np.maximum(np.rint(times), 1)) * (step / _ROUNDING)
         likely = np.exp(-0.5 * (miss * miss)) * (step / (_ROUNDING * math.sqrt(2 * math.pi)))
-        ratios[near] += np.log((1 - _OUTLIERS) * likely + _OUTLIERS).sum(axis=1)
+        logs = np.log((1 - _OUTLIERS) * likely + _OUTLIERS)
+        whose, first = np.unique(owner[part], return_index=True)
+        summed[whose] += np.add.reduceat(logs, first, axis=1).T
+    ratios[:, near] = summed
     return ratios
 
 

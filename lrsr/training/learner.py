@@ -70,6 +70,10 @@ class Learner(LightningModule):
         The trainer and its data are still attached.
         """
 
+    def about(self) -> dict[str, Any]:
+        """Return what the weights depend on besides the settings, by its dotted name."""
+        return {}
+
     def parameter_groups(self) -> list[dict[str, Any]]:
         """Return the parameters in groups with settings of their own; here one group."""
         return [{"params": list(self.parameters())}]

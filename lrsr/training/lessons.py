@@ -1,5 +1,6 @@
 """What is to be learned, by the configuration? Names become values and people here."""
 
+import functools
 from collections.abc import Mapping
 from inspect import signature
 from typing import TYPE_CHECKING, Any
@@ -74,15 +75,22 @@ def _refuse_others(config: "DictConfig") -> None:
     Raises:
         InputError: It is.
     """
-    from hydra.utils import get_class  # loaded by Hydra anyway, as the next one
-    from omegaconf import OmegaConf
+    from hydra.utils import get_class  # loaded by Hydra anyway
 
-    files = {name: config_folder() / "data" / f"{name}.yaml" for name in presets("data")}
-    kinds = {OmegaConf.select(OmegaConf.load(p), "_target_"): name for name, p in files.items()}
-    fits = getattr(get_class(config.module["_target_"]), "lessons", (*files,))
-    name = kinds.get(config.data["_target_"])  # somebody's own lessons have none
+    names = _names()
+    fits = getattr(get_class(config.module["_target_"]), "lessons", (*names.values(),))
+    name = names.get(config.data["_target_"])  # somebody's own lessons have none
     wish = f"{' or '.join(fits)}, from which this network learns"
     require(name in (None, *fits), "data", name, wish)
+
+
+@functools.cache
+def _names() -> Mapping[str, str]:
+    """Return what the options of ``conf/data`` are called, by their targets."""
+    from omegaconf import OmegaConf  # loaded by Hydra anyway
+
+    files = {name: config_folder() / "data" / f"{name}.yaml" for name in presets("data")}
+    return {OmegaConf.select(OmegaConf.load(p), "_target_"): name for name, p in files.items()}
 
 
 def _of(kind: Any, given: Mapping[str, Any]) -> dict[str, Any]:

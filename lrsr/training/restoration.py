@@ -11,11 +11,13 @@ import torch
 from numpy.typing import NDArray
 from torch.nn import functional as F
 
-from lrsr.configuration import as_flag, as_mapping, as_number, as_whole, as_word
+from lrsr.configuration import as_flag, as_mapping, as_number, as_whole, as_word, require
 from lrsr.errors import DivergenceError, InputError, NonFiniteError
 from lrsr.evaluation.quality import psnr_y
+from lrsr.onnx import sha256_of
 from lrsr.pictures.recipe import derived_seed
 from lrsr.presets import preset, presets
+from lrsr.sr.loading import find_weights
 from lrsr.sr.networks import NETWORKS
 from lrsr.sr.networks.network import Network
 from lrsr.sr.upscaler import Bicubic, Luminance, Rgb
@@ -49,13 +51,15 @@ class Restoration(Learner):
         arguments: Of the network's class; they travel with the weights.
         slower: Parts of the network that learn at a fraction of the rate, and the fraction.
         turned: Show each batch turned and mirrored at random; for networks without a border.
+        start: Weights to begin with, a file as :func:`lrsr.sr.weights.read_weights` takes it or one
+            that ships; None: random ones.
         lr_made_by: How the small images were made, in words; kept with the weights, for they serve
             no other input.
         seed: Of the first weights and of the turning, any whole number.
 
     Raises:
-        InputError: There is no such network, loss or part of the network, or it cannot be told
-            more than its pixels.
+        InputError: There is no such network, loss or part of the network, it cannot be told more
+            than its pixels, or the weights are missing or of another network.
     """
 
     monitor = "val/psnr_y_db"
@@ -77,6 +81,7 @@ class Restoration(Learner):
         arguments: Mapping[str, Any] = MappingProxyType({}),
         slower: Mapping[str, float] = MappingProxyType({}),
         turned: bool = False,
+        start: str | None = None,
         lr_made_by: str = "rendered",
         seed: int = 0,
     ) -> None:
@@ -113,6 +118,32 @@ class Restoration(Learner):
         for part in slower:
             if part not in dict(network.named_children()):
                 raise InputError(f"module.slower={part}: {architecture} has no such part")
+        self.start = None
+        if start is not None:
+            self.start = find_weights(Path(as_word(start, "module.start")))
+            self._begin_with(self.start)
+
+    def _begin_with(self, path: Path) -> None:
+        """Take the weights of a file.
+
+        Raises:
+            InputError: They cannot be read, or are of another network.
+        """
+        network, card = read_weights(path)
+        for name in ("architecture", "scale"):
+            got, wanted = getattr(card, name), getattr(self.card, name)
+            require(got == wanted, "module.start", path, f"{name} {wanted}, it has {got}")
+        try:
+            self.network.load_state_dict(network.state_dict())
+        except RuntimeError as error:
+            wish = f"the sizes of module.arguments={dict(self.card.arguments)}"
+            raise InputError(
+                f"module.start={path}: wanted {wish}, got {dict(card.arguments)}"
+            ) from error
+
+    def about(self) -> dict[str, Any]:
+        """Return what the weights begin with, by its content."""
+        return {} if self.start is None else {"module.start": sha256_of(self.start)}
 
     def try_patches(self, patches: Patches) -> None:
         """See on random pictures that the network makes what patches want of what they show.

@@ -15,7 +15,8 @@ from lrsr.sr.weights import read_checkpoint
 from lrsr.training.precision import choose_precision
 
 #: What cannot change a weight: where things lie, how a run is told and when it goes on. A roster
-#: counts by the people in it, and a folder by its pictures, wherever they lie.
+#: counts by the people in it, a folder by its pictures and a start by its weights, wherever they
+#: lie.
 _IRRELEVANT = (
     "callbacks.progress",
     "data.root",
@@ -24,6 +25,7 @@ _IRRELEVANT = (
     "identities.gallery",  # enrolled by lrsr eval alone
     "identities.roster",
     "logger",
+    "module.start",
     "paths",
     "resume",
     "trainer.log_every_n_steps",

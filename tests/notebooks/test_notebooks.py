@@ -19,6 +19,7 @@ ANSWERS = {  # words of what the last cell prints
 LONG = (
     "03_what_a_network_learns",
     "04_does_super_resolution_help",
+    "05_your_own_photographs",
     "06_what_is_a_score_worth",
     "07_a_photograph_becomes_a_probe",
 )

@@ -1,13 +1,18 @@
+import hashlib
 import math
+import shutil
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
 import torch
 from fakes.lessons import SyntheticPairs, make_edsr, make_srcnn
 from lightning.pytorch import Trainer
+from safetensors.torch import load_file
 
 from lrsr.errors import DivergenceError, InputError
+from lrsr.paths import asset
 from lrsr.presets import preset, presets
 from lrsr.training.losses.term import Term
 from lrsr.training.restoration import Restoration
@@ -123,6 +128,52 @@ def test_an_impossible_setting_is_refused(wrong: dict[str, Any], message: str) -
     settings: dict[str, Any] = {"architecture": "srcnn", "scale": 2, "loss": "mse"}
     with pytest.raises(InputError, match=message):
         Restoration(optimizer=partial(torch.optim.Adam, lr=1.0), **{**settings, **wrong})
+
+
+def starting(start: str, **settings: Any) -> Restoration:
+    known: dict[str, Any] = {"architecture": "srcnn", "scale": 2, "loss": "mse"}
+    adam: Any = partial(torch.optim.Adam, lr=1e-4)
+    return Restoration(optimizer=adam, start=start, **{**known, **settings})
+
+
+def test_a_start_is_what_the_network_has_learned_before(tmp_path: Path) -> None:
+    name = "weights/srcnn2x.safetensors"
+    path = asset(name)
+    shutil.copy(path, tmp_path / "moved.safetensors")
+    shipped, moved = starting(name), starting(str(tmp_path / "moved.safetensors"))
+    learned = load_file(path)
+    assert learned.keys() == shipped.network.state_dict().keys()
+    for name, value in shipped.network.state_dict().items():
+        assert torch.equal(value, learned[name]), name
+    assert all(p.requires_grad for p in shipped.network.parameters())
+    content = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert shipped.about() == moved.about() == {"module.start": content}
+    assert make_srcnn().about() == {}
+
+
+@pytest.mark.parametrize(
+    ("start", "settings", "message"),
+    [
+        (
+            "none.ckpt",
+            {},
+            r"none\.ckpt is missing: give a \.safetensors or \.ckpt file of lrsr",
+        ),
+        ("weights/srcnn4x.safetensors", {}, r"module\.start=.*4x.*: wanted scale 2, it has 4"),
+        ("weights/fsrcnn2x_camera.safetensors", {}, "wanted architecture srcnn, it has fsrcnn"),
+        (
+            "weights/srcnn2x.safetensors",
+            {"arguments": {"mapping_px": 5}},
+            r"module\.start=.*: wanted the sizes of module\.arguments=.*5.*, got",
+        ),
+    ],
+    ids=["missing", "scale", "network", "sizes"],
+)
+def test_a_start_of_another_network_is_refused(
+    start: str, settings: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        starting(start, **settings)
 
 
 def test_the_absolute_error_is_a_choice() -> None:

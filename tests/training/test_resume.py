@@ -23,7 +23,7 @@ CONFIG: dict[str, Any] = {
         "accelerator": "cpu",
         "log_every_n_steps": 10,
     },
-    "module": {"scheduler": None, "optimizer": {"lr": 1e-3}},
+    "module": {"start": "a.ckpt", "scheduler": None, "optimizer": {"lr": 1e-3}},
 }
 
 
