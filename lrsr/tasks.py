@@ -405,8 +405,8 @@ def run_train(config: "DictConfig") -> Path:
         if resume:
             longer = steps and module.follows_length
             refuse_other_run(folder, depends_on, follows_length=longer)
-        write_provenance(folder, config)
         if not steps:
+            write_provenance(folder, config)
             done: Path = module.train(data, folder=folder, resume=resume, depends_on=depends_on)
             return done
         return train(
@@ -419,6 +419,7 @@ def run_train(config: "DictConfig") -> Path:
             seed=seed_of(config),
             resume=resume,
             depends_on=depends_on,
+            record=lambda folder: write_provenance(folder, config),
         )
 
 

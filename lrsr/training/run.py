@@ -47,6 +47,7 @@ def train(
     seed: int = 0,
     resume: bool = True,
     depends_on: Mapping[str, Any],
+    record: Callable[[Path], object] = lambda folder: None,
 ) -> Path:
     """Train until the last epoch, keep the best one, and write what can be shipped.
 
@@ -64,6 +65,7 @@ def train(
         resume: Go on from the ``last.ckpt`` in ``folder`` where there is one; else begin again.
         depends_on: All that the weights depend on, in plain values; see
             :mod:`lrsr.training.resume`.
+        record: Writes into the folder what the run is, once nothing of it is refused any more.
 
     Returns:
         The run folder.
@@ -78,13 +80,14 @@ def train(
     keeper = Keeper(folder, depends_on, seed)
     if resume:
         refuse_other_run(folder, depends_on, follows_length=module.follows_length)
-    else:
-        forget(folder)
-    last = folder / "last.ckpt" if (folder / "last.ckpt").is_file() else None
     runner = _build_trainer(folder, trainer, [*callbacks, keeper], loggers)
     endless = module.follows_length and runner.max_epochs == runner.max_steps == -1
     wish = "a number above 0, as the schedule is as long as the run"
     require(not endless, "trainer.max_epochs", -1, wish)
+    if not resume:
+        forget(folder)
+    record(folder)
+    last = folder / "last.ckpt" if (folder / "last.ckpt").is_file() else None
     if last is None:
         keeper.tell([])
     else:

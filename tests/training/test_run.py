@@ -417,9 +417,13 @@ def test_nan_in_a_patch_stops_the_run_and_says_where(pairs: SyntheticPairs, tmp_
 def test_a_refused_trainer_leaves_nothing_that_stands_in_the_way(
     pairs: SyntheticPairs, tmp_path: Path, trainer: Any, says: str
 ) -> None:
+    recorded: list[Path] = []
+    more: Any = {"depends_on": {"x": 1}, "record": recorded.append, "resume": False}
+    (tmp_path / "last.ckpt").write_bytes(b"of a run before")
     with pytest.raises(InputError, match=says):
-        train(make_srcnn(), pairs, folder=tmp_path, trainer=trainer, depends_on={"x": 1})
-    assert not (tmp_path / "metrics.json").exists()
+        train(make_srcnn(), pairs, folder=tmp_path, trainer=trainer, **more)
+    assert [path.name for path in tmp_path.iterdir()] == ["last.ckpt"]
+    assert recorded == []
 
 
 def test_diverging_weights_stop_the_run_and_name_the_learning_rate(

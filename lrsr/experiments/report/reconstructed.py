@@ -70,9 +70,10 @@ def draw_reconstruction(
         image = picture.image[None]
         tiles.append(torch.nn.functional.interpolate(image, size=(side, side))[0].numpy())
     measured, name = made.quality, Path(person.file).name
+    yaw_deg, pitch_deg = round(measured.yaw_deg), round(measured.pitch_deg)
     captions = [
         name if len(name) <= _LETTERS else f"{name[: _LETTERS - 3]}...",
-        f"yaw {measured.yaw_deg:.0f}, pitch {measured.pitch_deg:.0f}, {measured.ipd_px:.0f} px",
+        f"yaw {yaw_deg}, pitch {pitch_deg}, {measured.ipd_px:.0f} px",
         *(title for *_, title in _VIEWS),
     ]
     return draw_portraits(tiles, captions, columns=len(tiles))
