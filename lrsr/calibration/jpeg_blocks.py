@@ -10,7 +10,7 @@ whose steps drown in the rounding of the decoded levels. H.264 leaves no such ta
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -79,7 +79,7 @@ def estimate_jpeg(
         raise ImageContractError(f"srgb: got {tuple(srgb.shape)}, wanted H and W >= 16")
     clipped = ((srgb <= 0) | (srgb >= 1)).any(1).numpy()
     levels = luminance(srgb)[:, 0].double().mul(255).numpy() - 128
-    _, chances = _likeliest([_coefficients(levels, clipped, grid) for grid in grids], _SAMPLE)
+    _, chances = _likeliest((_coefficients(levels, clipped, grid) for grid in grids), _SAMPLE)
     grid = grids[int(np.argmax(chances))]
     (quality,), (evidence,) = _likeliest([_coefficients(levels, clipped, grid)])
     return JpegEstimate(int(quality), grid, float(evidence)) if evidence > _EVIDENCE else None
@@ -101,36 +101,37 @@ def _blocks(planes: NDArray[Any], x: int, y: int) -> NDArray[Any]:
 
 
 def _likeliest(
-    grids: Sequence[_Floats], most: int | None = None
+    grids: Iterable[_Floats], most: int | None = None
 ) -> tuple[NDArray[np.int64], _Floats]:
     """Return each grid's best quality ``(G,)`` and its mean log-likelihood ratio ``(G,)``.
 
     Args:
-        grids: Of each, coefficients ``(n, 8, 8)``.
+        grids: Of each, coefficients ``(n, 8, 8)``; only those that tell are kept.
         most: Of each frequency of a grid, that many at most are looked at.
     """
-    sizes = [np.abs(coefficients).reshape(-1, BLOCK_PX**2).T for coefficients in grids]
-    told = [_telling(each, most) for each in sizes]
-    counts = np.array([each.sum(axis=1) for each in told])  # of each grid and frequency
-    seen = np.concatenate([size[tell] for size, tell in zip(sizes, told, strict=True)])
+    kept, told = zip(*(_telling(coefficients, most) for coefficients in grids), strict=True)
+    seen, counts = np.concatenate(kept), np.stack(told)
     owner, frequency = (
         index.repeat(counts.ravel()) for index in np.indices(counts.shape).reshape(2, -1)
     )
-    order = frequency.argsort(kind="stable")
-    ends, counts = counts.sum(axis=0).cumsum(), counts.sum(axis=1)
-    total = np.zeros((len(grids), len(_STEPS)))
+    order, ends = frequency.argsort(kind="stable"), counts.sum(axis=0).cumsum()
+    total = np.zeros((len(counts), len(_STEPS)))
     for part, (steps, which) in zip(np.split(order, ends[:-1]), _UNEQUAL_STEPS, strict=True):
-        total += _log_ratios(seen[part], owner[part], steps, len(grids))[:, which]
-    enough = counts >= _ENOUGH
-    evidence = np.where(enough, total.max(axis=1) / np.maximum(counts, 1), 0.0)
+        total += _log_ratios(seen[part], owner[part], steps, len(counts))[:, which]
+    in_all = counts.sum(axis=1)
+    enough = in_all >= _ENOUGH
+    evidence = np.where(enough, total.max(axis=1) / np.maximum(in_all, 1), 0.0)
     return np.where(enough, 1 + total.argmax(axis=1), 100), evidence
 
 
-def _telling(sizes: _Floats, most: int | None) -> NDArray[np.bool_]:
-    """Return which sizes ``(64, n)`` tell of the step: no zero, none that clipping has moved."""
+def _telling(coefficients: _Floats, most: int | None) -> tuple[_Floats, NDArray[np.int64]]:
+    """Return the sizes that tell of the step, by frequency, and how many of each: ``(64,)``."""
+    sizes = np.abs(coefficients).reshape(-1, BLOCK_PX**2).T
     told = sizes > _LEAST
     told[0] = False  # sums of clipped pixels, and no zeros to compare with
-    return told if most is None else told & (told.cumsum(axis=1, dtype=np.int32) <= most)
+    if most is not None:
+        told &= told.cumsum(axis=1, dtype=np.int32) <= most
+    return sizes[told], told.sum(axis=1)
 
 
 def _log_ratios(seen: _Floats, owner: NDArray[np.int64], steps: _Floats, grids: int) -> _Floats:
