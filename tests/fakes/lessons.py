@@ -198,7 +198,7 @@ def train_fake(network: str, folder: Path, epochs: int) -> None:
     )
 
 
-def train_by_command(folder: Path, epochs: int) -> int:
+def train_by_command(folder: Path, epochs: int, *more: str) -> int:
     """Run ``lrsr train`` itself, on drawn pictures, with constant rates; return its status.
 
     No ONNX file is written: that takes seconds.
@@ -215,5 +215,5 @@ def train_by_command(folder: Path, epochs: int) -> int:
     torch.set_num_threads(1)
     lessons.read_lessons = lambda *_: Drawn()  # type: ignore[assignment]
     restoration.export_onnx = lambda *_, **__: 0.0
-    words = ["train", "sr=srcnn2x", "module.scheduler=null", f"trainer.max_epochs={epochs}"]
+    words = ["train", "sr=srcnn2x", "module.scheduler=null", f"trainer.max_epochs={epochs}", *more]
     return main([*words, "trainer.accelerator=cpu", "identities.count=2", f"paths.run={folder}"])

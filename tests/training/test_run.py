@@ -33,6 +33,7 @@ from skimage.metrics import peak_signal_noise_ratio
 
 from lrsr.errors import DivergenceError, InputError, NonFiniteError
 from lrsr.images import luminance
+from lrsr.paths import asset
 from lrsr.recognition import Engine
 from lrsr.sr import load_upscaler
 from lrsr.sr.weights import read_weights
@@ -276,6 +277,24 @@ def test_of_two_commands_in_one_folder_the_later_is_refused(
     assert capsys.readouterr().out.split() == [str(folder)]
     history = json.loads((folder / "metrics.json").read_text())["history"]
     assert [epoch["epoch"] for epoch in history] == [*range(14)]
+
+
+def test_a_run_goes_on_only_from_what_it_began_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for module, name in ((lessons, "read_lessons"), (restoration, "export_onnx")):
+        monkeypatch.setattr(module, name, getattr(module, name))  # to be as it was again
+    folder, shipped = tmp_path / "run", asset("weights/srcnn2x.safetensors")
+    (tmp_path / "moved.safetensors").write_bytes(shipped.read_bytes())
+    assert train_by_command(folder, 1, f"module.start={shipped}") == 0
+    assert train_by_command(folder, 2, f"module.start={tmp_path}/moved.safetensors") == 0
+    assert epochs_of(folder) == 2
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    other = asset("weights/srcnn2x_camera.safetensors")
+    for words in ([], [f"module.start={other}"]):
+        assert train_by_command(folder, 3, *words) == 2
+        assert "was trained with module.start=" in capsys.readouterr().err.splitlines()[-1]
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
 
 
 def epochs_of(folder: Path) -> int:
