@@ -49,7 +49,7 @@ from lrsr.identities.shape.proportions import load_gauge
 from lrsr.identities.skin.features import cover
 from lrsr.identities.skin.relief import displace
 
-RECIPE_VERSION = "12"
+RECIPE_VERSION = "13"
 """Changes whenever the same seed would give other pixels."""
 
 _STREAMS = ("person", "anatomy", "appearance", "hair", "eyes", "mouth")

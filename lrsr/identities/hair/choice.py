@@ -94,9 +94,10 @@ def _style_weights(
 ) -> NDArray[np.float64]:
     male = _sex(masculinity)
     weights = {s: male * men + (1.0 - male) * women for s, (men, women) in _WEIGHTS.items()}
-    weights["afro"] *= 0.03 + 9.0 * african**2
+    weights["afro"] *= 0.03 + (6.0 + 3.0 * male) * african**2
     for style in ("curly", "long_curly"):
         weights[style] *= 0.5 + 2.2 * african + 0.3 * (1.0 - asian)
+    weights["long_straight"] *= 1.0 + 2.0 * african * (1.0 - male)  # straightened, or extensions
     factors = (
         (1.0 + 0.8 * african, ("buzz", "shaved")),
         (1.0 - 0.65 * african, ("side_parting", "quiff", "curtain", "bob", "tucked")),
