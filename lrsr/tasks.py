@@ -118,6 +118,7 @@ def run_identities(config: "DictConfig") -> Path:
     out = path_if_any(config.export, "export")
     if out is None:
         _refuse(_OF_EXPORTS, "only export=DIR reads it; leave it")
+        _refuse([_SAMPLES], "enrolled pictures have gallery.samples_per_pixel; give that")
         return run_eval(config)
     _refuse(_OF_THE_CHECK, "export=DIR does not read it; leave it")
     from omegaconf import OmegaConf
@@ -148,6 +149,7 @@ _OF_SCENES = (
     *("pose", "lighting", "lens", "standpoint", "expression", "another_day"),
     *("ipd_px", "compression", "burst"),
 )
+_SAMPLES = "rendering.samples_per_pixel"
 _OF_EXPORTS = ("pose", "lighting", "expression", "another_day", "ipd_px", "lens", "standpoint")
 _OF_THE_CHECK = ("gallery", "recognition", "encoder", "smallest_angle_deg", "most_redraws")
 
@@ -193,7 +195,7 @@ def _refuse_enrolled(config: "DictConfig") -> None:
 
 def _tell_unread(kind: str) -> None:
     """Say which words of ``lrsr render`` change nothing, as enrolled pictures have their own."""
-    unread = _OF_SCENES if kind == "gallery" else ("gallery",)
+    unread = (*_OF_SCENES, _SAMPLES) if kind == "gallery" else ("gallery",)
     for key in _typed_of(unread):
         logger.warning(
             "%s changes nothing where kind=%s (gallery.* is for kind=gallery)", key, kind
@@ -201,11 +203,12 @@ def _tell_unread(kind: str) -> None:
 
 
 def _typed_of(sections: Collection[str]) -> list[str]:
-    """Return which settings of some sections were typed."""
+    """Return which of some settings, or of those within them, were typed."""
     from hydra.core.hydra_config import HydraConfig  # loaded by then
 
     keys = [word.lstrip("+~").partition("=")[0] for word in HydraConfig.get().overrides.task]
-    return [key for key in keys if key.replace("/", ".").split(".")[0] in sections]
+    within = tuple(f"{section}." for section in sections)
+    return [key for key in keys if f"{key.replace('/', '.')}.".startswith(within)]
 
 
 def run_render(config: "DictConfig") -> Path:

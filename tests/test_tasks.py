@@ -49,8 +49,11 @@ def test_what_photographs_make_needless_is_refused(
         ("gallery", "pose=left", True),
         ("gallery", "ipd_px=11", True),
         ("gallery", "gallery.pose=left", False),
+        ("gallery", "rendering.samples_per_pixel=8", True),
+        ("gallery", "rendering.max_depth=3", False),
         ("probe", "gallery.pose=left", True),
         ("probe", "pose=left", False),
+        ("probe", "rendering.samples_per_pixel=8", False),
     ],
 )
 def test_words_that_change_nothing_are_told(

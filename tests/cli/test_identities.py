@@ -127,6 +127,11 @@ def test_ctrl_c_is_status_130_and_the_same_words_go_on(
     ("words", "message"),
     [
         (["pose=left"], "lrsr: pose: only export=DIR reads it; leave it"),
+        (
+            ["rendering.samples_per_pixel=8"],
+            "lrsr: rendering.samples_per_pixel: enrolled pictures have gallery.samples_per_pixel; "
+            "give that",
+        ),
         (["another_day.cap=1"], "lrsr: another_day.cap: only export=DIR reads it; leave it"),
         (["export=x", "encoder=dlib"], "lrsr: encoder: export=DIR does not read it; leave it"),
         (["export=x", "lens=single"], "lrsr: lens=single: depth and normals are those of"),
