@@ -93,6 +93,6 @@ class SRCNN(Network):
         """
         if self.padding == "replicate":
             luminance = F.pad(luminance, (self.border_px,) * 4, mode="replicate")
-        features = F.relu(self.extract(luminance))
-        restored: torch.Tensor = self.reconstruct(F.relu(self.map(features)))
+        features = F.relu(self.extract(luminance), inplace=True)
+        restored: torch.Tensor = self.reconstruct(F.relu(self.map(features), inplace=True))
         return restored
