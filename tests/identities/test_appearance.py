@@ -223,6 +223,21 @@ def test_appearances_are_plain_and_follow_the_person() -> None:
     assert all(person["hair_colour"]["eumelanin"] > 2 for person in dark)
 
 
+def test_lines_come_a_decade_later_to_dark_skin() -> None:
+    def lines(seed: int, age: float, ancestry: Any) -> tuple[float, float]:
+        rng = np.random.default_rng(seed)
+        person = sample_appearance(rng, masculinity=0.1, age=age, ancestry=ancestry)
+        return person["complexion"]["melanin"], person["lines"]["crows_feet"]
+
+    drawn = [[lines(seed, 0.35, shares) for seed in range(40)] for shares in (AFRICAN, EUROPEAN)]
+    fair = [lines(seed, 0.15, EUROPEAN) for seed in range(40)]
+    shaded = [seed for seed, (melanin, _) in enumerate(drawn[0]) if melanin > 0.12]
+    assert len(shaded) > 10
+    for seed in shaded:
+        assert drawn[0][seed][1] == pytest.approx(fair[seed][1])
+        assert drawn[0][seed][1] < drawn[1][seed][1]
+
+
 def test_the_same_stream_draws_the_same_person_and_age_only_thins_the_brows() -> None:
     assert _person(7) == _person(7)
     assert _person(7) != _person(8)

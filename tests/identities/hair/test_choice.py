@@ -100,6 +100,12 @@ def test_african_hair_is_curlier() -> None:
     assert np.median([h["curl_mm"] for h in african]) > np.median([h["curl_mm"] for h in european])
 
 
+def test_african_women_wear_afros_less_often_than_men_and_long_hair_more() -> None:
+    women, men = draw(1500, 0.0, 0.4, AFRICAN), draw(1500, 1.0, 0.4, AFRICAN)
+    assert 0.05 < share(women, {"afro"}) < share(men, {"afro"})
+    assert share(women, {"long_straight"}) > 0.1 > share(men, {"long_straight"})
+
+
 @pytest.mark.parametrize("ancestry", [AFRICAN, EUROPEAN])
 def test_womens_curls_are_long_and_mens_short(ancestry: dict[str, float]) -> None:
     women, men = draw(1500, 0.0, 0.4, ancestry), draw(400, 1.0, 0.4, ancestry)
