@@ -2,7 +2,7 @@
 
 from typing import Literal, get_args
 
-PHOTOGRAPHS_VERSION = "3"
+PHOTOGRAPHS_VERSION = "4"
 """Changes whenever the same photograph would give another head."""
 
 Hair = Literal["painted", "none"]
