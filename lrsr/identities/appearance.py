@@ -33,9 +33,9 @@ from lrsr.identities.skin.relief import split_heights
 from lrsr.identities.skin.shading import Shading, ShadingPainter, sample_shading
 from lrsr.identities.skin.sheen import Sheen, SheenPainter, sample_sheen
 
-_SHADE = (0.04, 0.12)
+_SHADING_MELANIN = (0.04, 0.12)
 """Melanin, a volume fraction, from which skin shades itself, and with which it does so fully."""
-_SHADE_YEARS = 0.2
+_SHADE_DELAY = 0.2
 """How much later lines and folds come to such skin, as a share of 25 to 75 years: a decade (Vashi
 et al., J. Clin. Aesthet. Dermatol. 9, 2016: the sun draws most of them)."""
 
@@ -89,7 +89,7 @@ def sample_appearance(
         rng: Source of randomness; every trait gets a child of its own, so that a change to one of
             them leaves the others as they were.
         masculinity: 0 (female) to 1 (male).
-        age: 0 (25 years) to 1 (old).
+        age: 0 (25 years) to 1 (old); dark skin is weathered by a decade less.
         ancestry: ``(3,)`` shares of African, Asian and European ancestry, summing to 1.
 
     Returns:
@@ -104,8 +104,8 @@ def sample_appearance(
     complexion = sample_complexion(
         child["complexion"], masculinity=masculinity, age=age, ancestry=shares
     )
-    shaded = float(smoothstep(*_SHADE, np.asarray(complexion["melanin"])))
-    weathered = max(0.0, age - _SHADE_YEARS * shaded)
+    shaded = float(smoothstep(*_SHADING_MELANIN, np.asarray(complexion["melanin"])))
+    weathered = max(0.0, age - _SHADE_DELAY * shaded)
     return {
         "complexion": complexion,
         "lips": sample_lips(child["lips"], masculinity=masculinity, melanin=complexion["melanin"]),
