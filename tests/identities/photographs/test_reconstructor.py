@@ -8,9 +8,11 @@ from skimage.data import astronaut
 
 from lrsr.errors import InputError
 from lrsr.identities.face.expression import NEUTRAL
+from lrsr.identities.photographs.choices import PHOTOGRAPHS_VERSION
 from lrsr.identities.photographs.outlines import EYES, FACE, LIP_GAP
 from lrsr.identities.photographs.person import Network, Photographed
 from lrsr.identities.photographs.reconstructor import Reconstructor, shared_reconstructor
+from lrsr.identities.photographs.space import ASSET_NAME
 from lrsr.paths import asset
 
 FIVE_PX = ((205.0, 101.0), (247.0, 103.0), (224.0, 129.0), (202.0, 138.0), (244.0, 141.0))
@@ -34,6 +36,13 @@ def test_from_the_fit_on_all_networks_are_alike(foreign: Path) -> None:
     named = [*FACE, *LIP_GAP, *(corner for pair in EYES for corner in pair)]
     apart = np.linalg.norm(theirs.points_px[named] - ours.points_px[named], axis=1)
     assert 0 < np.median(apart) < 3  # of 42 between the pupils: where the fitted face has them
+
+
+def test_another_calibration_or_space_is_another_version() -> None:
+    """Heads in caches go by the version: raise it whenever you change one of these checksums."""
+    space = hashlib.sha256(asset(ASSET_NAME).read_bytes()).hexdigest()
+    ships = shared_reconstructor().digest[:16], space[:16]
+    assert (PHOTOGRAPHS_VERSION, *ships) == ("4", "15dfa37e4c24dbd3", "ebca943db131d1d0")
 
 
 def test_the_checksum_is_that_of_model_contract_and_calibration(foreign: Path) -> None:
