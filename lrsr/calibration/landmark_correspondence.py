@@ -214,6 +214,81 @@ def _spread_out(places: _Points, count: int) -> NDArray[np.int64]:
     return np.sort(chosen)
 
 
+@dataclass(frozen=True, eq=False)
+class _Observed:
+    """What a network finds on pictures, and what is there; mm, x to the right and y up.
+
+    Attributes:
+        found: ``(pictures, N, 2)`` its points.
+        projected: ``(pictures, V, 2)`` where vertices are that may be meant.
+        turns: ``(pictures, 3, 3)`` of the heads.
+    """
+
+    found: _Points
+    projected: _Points
+    turns: _Points
+
+    def with_mirror_images(self, points: NDArray[np.int64], vertices: NDArray[np.int64]) -> Self:
+        """Add every picture as a mirror shows it.
+
+        Args:
+            points: ``(N,)`` which point each one becomes.
+            vertices: ``(V,)`` which vertex each one becomes.
+        """
+        return type(self)(
+            np.concatenate([self.found, self.found[:, points] * _MIRROR[:2]]),
+            np.concatenate([self.projected, self.projected[:, vertices] * _MIRROR[:2]]),
+            np.concatenate([self.turns, _MIRROR[:, None] * self.turns * _MIRROR]),
+        )
+
+    def weights(self) -> _Points:
+        """Return what each picture counts for: ``(pictures,)``."""
+        yaw_deg = np.degrees(np.arctan2(self.turns[:, 0, 2], self.turns[:, 2, 2]))
+        return np.where(np.abs(yaw_deg) > _TURNED_DEG, _TURNED_WEIGHT, 1.0)
+
+    def distances(self, nearest: NDArray[np.int64], weights: _Points) -> _Points:
+        """Return how far each point is from its vertex, root mean square: ``(N,)``."""
+        squares = [
+            ((points - vertices[nearest]) ** 2).sum(axis=1)
+            for points, vertices in zip(self.found, self.projected, strict=True)
+        ]
+        return np.asarray(np.sqrt(np.average(squares, axis=0, weights=weights)))
+
+    def errors(self, kept: NDArray[np.int64], nearest: NDArray[np.int64]) -> _Points:
+        """Return where points are from their vertices, of heads not tipped: ``(pictures, n, 2)``.
+
+        Args:
+            kept: ``(n,)`` which points.
+            nearest: ``(n,)`` their vertices.
+        """
+        errors = [
+            (points[kept] - vertices[nearest]) @ tip_of(turn)
+            for points, vertices, turn in zip(self.found, self.projected, self.turns, strict=True)
+        ]
+        return np.array(errors)
+
+
+def _observe(
+    views: Iterable[View], landmarker: Landmarker, candidates: NDArray[np.int64]
+) -> _Observed:
+    """Show pictures to a network.
+
+    Args:
+        views: Of several people.
+        landmarker: The network.
+        candidates: ``(V,)`` render vertices that a point may mean.
+    """
+    found, projected, turns = [], [], []
+    for view in views:
+        points = landmarker(np.ascontiguousarray(view.image.transpose(1, 2, 0)), view.landmarks_px)
+        vertices = view.head.parts[0].vertices[candidates].astype(np.float64)
+        up = np.array([1.0, -1.0]) / view.px_per_mm
+        found.append(points.points_px * up)
+        projected.append(view.project(vertices) * up)
+        turns.append(view.scene.pose.rotation())
+    return _Observed(np.array(found), np.array(projected), np.array(turns))
+
+
 def _measure(
     views: Iterable[View], landmarker: Landmarker, most_error_mm: float, most_points: int
 ) -> tuple[Correspondence, dict[str, Any]]:
@@ -233,29 +308,13 @@ def _measure(
         InputError: Fewer than 20 points are within that error of a vertex.
     """
     chosen = _candidates()
-    of_views: tuple[list[_Points], list[_Points], list[_Points]] = [], [], []
-    for view in views:
-        points = landmarker(np.ascontiguousarray(view.image.transpose(1, 2, 0)), view.landmarks_px)
-        vertices = view.head.parts[0].vertices[chosen].astype(np.float64)
-        up = np.array([1.0, -1.0]) / view.px_per_mm
-        one = points.points_px * up, view.project(vertices) * up, view.scene.pose.rotation()
-        for values, value in zip(of_views, one, strict=True):
-            values.append(value)
-    found, projected, turns = map(np.array, of_views)
-    mirror = landmarker.contract.mirrored()
+    seen = _observe(views, landmarker, chosen)
+    pictures, mirror = len(seen.found), landmarker.contract.mirrored()
     if len(mirror):  # the network finds the same in a mirror, so half of what differs is chance
-        twins = _mirrored_vertices(template().skin[chosen])
-        found = np.concatenate([found, found[:, mirror] * _MIRROR[:2]])
-        projected = np.concatenate([projected, projected[:, twins] * _MIRROR[:2]])
-        turns = np.concatenate([turns, _MIRROR[:, None] * turns * _MIRROR])
-    yaw_deg = np.degrees(np.arctan2(turns[:, 0, 2], turns[:, 2, 2]))
-    weights = np.where(np.abs(yaw_deg) > _TURNED_DEG, _TURNED_WEIGHT, 1.0)
-    nearest = _nearest_vertices(found, projected, weights)
-    squares = [
-        ((points - vertices[nearest]) ** 2).sum(axis=1)
-        for points, vertices in zip(found, projected, strict=True)
-    ]
-    off = np.sqrt(np.average(squares, axis=0, weights=weights))
+        seen = seen.with_mirror_images(mirror, _mirrored_vertices(template().skin[chosen]))
+    weights = seen.weights()
+    nearest = _nearest_vertices(seen.found, seen.projected, weights)
+    off = seen.distances(nearest, weights)
     kept = _kept(off, template().skin[chosen[nearest]], most_error_mm, most_points)
     if len(kept) < _LEAST_POINTS:
         raise InputError(
@@ -264,17 +323,14 @@ def _measure(
             " contract, or raise most_error_mm"
         )
     nearest = nearest[kept]
-    errors = [
-        (points[kept] - vertices[nearest]) @ tip_of(turn)
-        for points, vertices, turn in zip(found, projected, turns, strict=True)
-    ]
-    noise = _describe_noise(np.array(errors), min(_COMPONENTS, len(errors) - 1))
+    errors = seen.errors(kept, nearest)
+    noise = _describe_noise(errors, min(_COMPONENTS, len(errors) - 1))
     network = landmarker.contract.sha256
     figures = {
         "points": len(off),
         "points_kept": len(kept),
         "error_mm": float(np.median(off[kept])),
-        "pictures": len(of_views[0]),
+        "pictures": pictures,
     }
     return Correspondence(kept, chosen[nearest], *noise, network=network), figures
 
